@@ -1,0 +1,217 @@
+"""Evaluate a part's tree with manifold3d: the mesh that is printed.
+
+manifold3d is guaranteed to give a closed, oriented 2-manifold from every boolean, which OCCT's
+tessellation is not (its revolved caps have zero-area triangles on the axis).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from handgen.geometry import csg
+from handgen.geometry.lettering import outlines
+
+if TYPE_CHECKING:
+    import trimesh
+    from manifold3d import Manifold
+
+CHORD = 0.008
+"""Largest distance of a chord from its curve, mm: a tenth of what a good printer resolves."""
+MIN_SEGMENTS = 24
+SLIVER = 1e-3
+"""Detail below this, mm, is dropped from the mesh before it is rounded for export."""
+
+
+def evaluate(shape: csg.Shape) -> Manifold:
+    """The solid bounded by `shape`, in mm.
+
+    Raises:
+        ValueError: a primitive is not a valid solid (crossing outline, radius below zero).
+    """
+    from manifold3d import Error, Manifold
+
+    match shape:
+        case csg.Revolve(path):
+            result = _revolve(path)
+        case csg.Extrude(path, height):
+            result = _extrude([sample(path)], height)
+        case csg.Text(text, size, height):
+            rings = [r for outer, holes in outlines(text, size) for r in (outer, *holes)]
+            result = _extrude(rings, height)
+        case csg.Loft(sections):
+            result = _loft(sections)
+        case csg.Field(recipe, pitch):
+            result = _field(recipe, pitch)
+        case csg.Placed(inner, rotation, origin):
+            result = evaluate(inner).transform(np.c_[np.array(rotation), np.array(origin)])
+        case csg.Mirrored(inner, axis):
+            result = evaluate(inner).mirror(tuple(float(a == axis) for a in "xyz"))
+        case csg.Union(shapes):
+            from manifold3d import OpType
+
+            result = Manifold.batch_boolean([evaluate(s) for s in shapes], OpType.Add)
+        case csg.Difference(base, tools):
+            from manifold3d import OpType
+
+            parts = [evaluate(s) for s in (base, *tools)]
+            result = Manifold.batch_boolean(parts, OpType.Subtract)
+        case csg.Intersection(shapes):
+            from manifold3d import OpType
+
+            result = Manifold.batch_boolean([evaluate(s) for s in shapes], OpType.Intersect)
+        case _:
+            raise TypeError(f"no mesh for a {type(shape).__name__}")
+    if result.status() != Error.NoError:
+        raise ValueError(f"{type(shape).__name__} is not a closed solid: {result.status().name}")
+    return result
+
+
+def printable(solid: Manifold) -> trimesh.Trimesh:
+    """The triangles of `solid` at the precision of a binary STL (float32), without degenerates.
+
+    Rounding to float32 can flatten a sliver, so the rounded mesh goes through manifold3d once
+    more, which collapses what has become degenerate.
+
+    Raises:
+        ValueError: nothing is left, or the solid falls into several bodies.
+    """
+    import trimesh
+    from manifold3d import Manifold, Mesh
+
+    for tolerance in (SLIVER, 4 * SLIVER, 16 * SLIVER):
+        mesh = solid.simplify(tolerance).to_mesh()
+        vertices = np.array(mesh.vert_properties[:, :3], np.float32, order="C")
+        rounded = Manifold(Mesh(vertices, np.array(mesh.tri_verts, np.uint32, order="C")))
+        if rounded.is_empty():
+            raise ValueError("the solid is empty")
+        bodies = rounded.decompose()
+        if len(bodies) > 1:
+            sizes = sorted((b.volume() for b in bodies), reverse=True)
+            raise ValueError(
+                f"the solid falls into {len(bodies)} bodies of "
+                + ", ".join(f"{v:.3g}" for v in sizes[:4]) + " mm3")
+        final = rounded.to_mesh()
+        result = trimesh.Trimesh(
+            final.vert_properties[:, :3].astype(float), final.tri_verts.astype(int), process=False)
+        merged = trimesh.Trimesh(result.vertices, result.faces, process=True)
+        if merged.is_watertight and len(merged.vertices) == len(result.vertices):
+            return result
+    raise ValueError("the mesh has coincident vertices that rounding to STL would weld")
+
+
+def sample(path: csg.Path, chord: float = CHORD) -> np.ndarray:
+    """Points (n, 2) of a closed path, within `chord` mm of its curves, no point twice."""
+    ring = _points(path, _steps(path, chord))
+    keep = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > 1e-7
+    return ring[keep]
+
+
+def _steps(path: csg.Path, chord: float) -> list[int]:
+    """Straight steps per segment; a cubic's chord error is |second derivative| / (8 n^2)."""
+    steps, start = [], np.array(path.start)
+    for segment in path.segments:
+        points = np.array([start, *segment], float)
+        start = points[-1]
+        if len(points) == 2:
+            steps.append(1)
+        else:
+            bend = 6.0 * np.hypot(*np.diff(points, 2, axis=0).T).max()
+            steps.append(max(2, math.ceil(math.sqrt(bend / (8.0 * chord)))))
+    return steps
+
+
+def _points(path: csg.Path, steps: list[int]) -> np.ndarray:
+    """The path's start and `steps[i]` points along each segment."""
+    points = [np.array([path.start])]
+    for segment, n in zip(path.segments, steps, strict=True):
+        if len(segment) == 1:
+            points.append(np.array(segment, float))
+            continue
+        start = points[-1][-1]
+        c1, c2, end = np.array(segment, float)
+        t = np.linspace(0.0, 1.0, n + 1)[1:, None]
+        u = 1.0 - t
+        points.append(u**3 * start + 3 * u * u * t * c1 + 3 * u * t * t * c2 + t**3 * end)
+    return np.vstack(points)
+
+
+def segments_for(radius: float) -> int:
+    """Chords around a circle so that none lies more than CHORD inside it; a multiple of 4."""
+    if radius <= CHORD:
+        return MIN_SEGMENTS
+    exact = math.pi / math.acos(1.0 - CHORD / radius)
+    return max(MIN_SEGMENTS, 4 * math.ceil(exact / 4.0))
+
+
+def _revolve(path: csg.Path) -> Manifold:
+    from manifold3d import Manifold
+
+    points = sample(path)
+    if points[:, 1].min() < -1e-9:
+        raise ValueError(f"revolved outline reaches radius {points[:, 1].min():.3g} mm, below 0")
+    section = _cross_section([np.c_[np.maximum(points[:, 1], 0.0), points[:, 0]]])
+    turned = Manifold.revolve(section, segments_for(points[:, 1].max()))
+    # manifold3d turns (radius, height) about its z axis; ours is x: (x, y, z) <- (z, x, y).
+    return turned.transform(np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0]], float))
+
+
+def _extrude(rings: list, height: float) -> Manifold:
+    return _cross_section(rings).extrude(height)
+
+
+def _cross_section(rings: list):
+    from manifold3d import CrossSection, FillRule
+
+    section = CrossSection([np.asarray(r, float) for r in rings], FillRule.EvenOdd)
+    if section.area() <= 0.0:
+        raise ValueError("an outline encloses no area")
+    return section
+
+
+def _loft(sections: tuple[csg.Section, ...]) -> Manifold:
+    """Triangulated skin through the sections; the caps are triangulated in their planes."""
+    from manifold3d import Manifold, Mesh64, triangulate
+
+    steps = np.max([_steps(s.path, CHORD) for s in sections], axis=0)
+    rings = [_points(s.path, steps) for s in sections]
+    if all(np.hypot(*(r[0] - r[-1])) < 1e-7 for r in rings):
+        rings = [r[:-1] for r in rings]
+    m, n = len(rings), len(rings[0])
+    vertices = np.vstack([
+        np.c_[ring, np.zeros(n)] @ np.array(s.rotation).T + np.array(s.origin)
+        for ring, s in zip(rings, sections, strict=True)
+    ])
+    i = np.arange(n)
+    j = (i + 1) % n
+    faces = []
+    for k in range(m - 1):
+        a, b = k * n, (k + 1) * n
+        faces += [np.c_[a + i, a + j, b + j], np.c_[a + i, b + j, b + i]]
+    # manifold3d triangulates rings that run counter-clockwise.
+    def cap(ring):
+        x, y = ring.T
+        clockwise = x @ np.roll(y, -1) < y @ np.roll(x, -1)
+        triangles = np.asarray(triangulate([ring[::-1] if clockwise else ring]), int)
+        return n - 1 - triangles[:, ::-1] if clockwise else triangles
+
+    faces += [cap(rings[0])[:, ::-1], cap(rings[-1]) + (m - 1) * n]
+    faces = np.vstack(faces)
+    v = vertices[faces]
+    if np.einsum("ij,ij->", v[:, 0], np.cross(v[:, 1], v[:, 2])) < 0.0:
+        faces = faces[:, ::-1]
+    return Manifold(Mesh64(vertices, np.array(faces, np.uint64, order="C")))
+
+
+def _field(recipe, pitch: float) -> Manifold:
+    """Marching cubes (Lewiner, scikit-image) over the field, as a closed solid."""
+    from manifold3d import Manifold, Mesh
+    from skimage.measure import marching_cubes
+
+    values, origin = recipe.sample(pitch)
+    vertices, faces, _, _ = marching_cubes(values, 0.0, spacing=(pitch,) * 3)
+    mesh = Mesh((vertices + origin).astype(np.float32), faces[:, ::-1].astype(np.uint32))
+    mesh.merge()
+    return Manifold(mesh)
