@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 from handgen.geometry import csg
@@ -24,7 +25,9 @@ def evaluate(shape: csg.Shape) -> Shape:
     return solids[0] if len(solids) == 1 else result
 
 
+@functools.lru_cache(maxsize=256)
 def _evaluate(shape: csg.Shape) -> Shape:
+    """Remembered, because the hand holds the same slotted fingers that are exported singly."""
     from cadquery import Solid, Vector
 
     match shape:

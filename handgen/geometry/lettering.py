@@ -17,14 +17,14 @@ def outlines(text: str, size: float) -> list[tuple[list, list[list]]]:
     """
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
-    from shapely import Polygon, affinity, symmetric_difference_all
+    from shapely import Polygon, affinity
 
     font = FontProperties(family="DejaVu Sans", weight="bold")
     capital = TextPath((0, 0), "H", size=100.0, prop=font).get_extents().height
     path = TextPath((0, 0), text, size=100.0 * size / capital, prop=font)
     rings = [Polygon(p) for p in path.to_polygons() if len(p) > 3]
     # Glyph outlines are even-odd: a counter is a ring inside a ring.
-    ink = symmetric_difference_all(rings).simplify(FLATNESS * size).buffer(0)
+    ink = functools.reduce(Polygon.symmetric_difference, rings).simplify(FLATNESS * size).buffer(0)
     x0, y0, x1, y1 = ink.bounds
     ink = affinity.translate(ink, -(x0 + x1) / 2, -(y0 + y1) / 2)
     pieces = sorted(getattr(ink, "geoms", [ink]), key=lambda g: g.bounds)
