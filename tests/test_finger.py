@@ -49,8 +49,8 @@ def test_a_slot_leaves_its_palmar_arc(measured):
         passed = walls_along(part.mesh, (joint.position, 0.01, 0), (0, 0, -1))
         assert passed[-1] - passed[0] == pytest.approx(wall, abs=0.05)
         # Dorsally the slot is as long as asked.
-        start = walls_along(part.mesh, (joint.position, 0.01, profile.outer_radius(joint.position) - 0.5), (1, 0, 0))
-        assert 2 * start[0] == pytest.approx(joint.slot_length, abs=0.05)
+        dorsal = (joint.position, 0.01, profile.outer_radius(joint.position) - 0.5)
+        assert 2 * walls_along(part.mesh, dorsal, (1, 0, 0))[0] == pytest.approx(joint.slot_length, abs=0.05)
 
 
 def test_strip_meets_the_phalanx_in_a_round_corner(adult):
@@ -78,11 +78,16 @@ def test_mesh_and_brep_are_the_same_finger(measured):
     assert part.mesh.volume == pytest.approx(part.solid.Volume(), rel=5e-3)
 
 
+def curl(finger, angles):
+    """The finger with other rest angles, degrees, root to tip."""
+    joints = [j.model_copy(update={"rest_angle": a}) for j, a in zip(finger.joints, angles, strict=True)]
+    return finger.model_copy(update={"joints": joints})
+
+
 @pytest.mark.parametrize("angles", [(12.0, 10.0, 7.0), (40.0, 0.0, 25.0)])
 def test_rest_curl_keeps_the_phalanges_and_turns_the_tip(adult, angles):
     index = adult.fingers.index
-    joints = [j.model_copy(update={"rest_angle": a}) for j, a in zip(index.joints, angles, strict=True)]
-    curled = index.model_copy(update={"joints": joints})
+    curled = curl(index, angles)
     shape = fingers.shape(curled, adult.exoskeleton.joint_fillet)
     mesh = printable(evaluate(shape))
     assert_printable(mesh)
@@ -102,27 +107,29 @@ def test_rest_curl_keeps_the_phalanges_and_turns_the_tip(adult, angles):
 
 def test_curled_brep_is_the_same_finger(adult):
     index = adult.fingers.index
-    joints = [j.model_copy(update={"rest_angle": a}) for j, a in zip(index.joints, (11.8, 10.4, 7.4), strict=True)]
-    hand = adult.model_copy(update={"fingers": adult.fingers.model_copy(
-        update={"index": index.model_copy(update={"joints": joints})})})
+    curled = adult.fingers.model_copy(update={"index": curl(index, (11.8, 10.4, 7.4))})
+    hand = adult.model_copy(update={"fingers": curled})
     part = fingers.exoskeleton(hand, "index")
     assert part.mesh.volume == pytest.approx(part.solid.Volume(), rel=5e-3)
 
 
 def test_axis_keeps_its_length(adult):
-    index = adult.fingers.index
-    joints = [j.model_copy(update={"rest_angle": 30.0}) for j in index.joints]
-    axis = fingers.Axis(FingerProfile(index.model_copy(update={"joints": joints})), 1.5)
+    index = curl(adult.fingers.index, (30.0, 30.0, 30.0))
+    axis = fingers.Axis(FingerProfile(index), 1.5)
     x = np.linspace(0, index.outer_length, 4001)
     points = axis.carry(np.c_[x, np.zeros_like(x), np.zeros_like(x)])
     assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(index.outer_length, abs=1e-3)
 
 
-stations = st.lists(st.tuples(st.floats(0.05, 0.95), st.floats(0, 1)), max_size=4, unique_by=lambda p: round(p[0], 2)).map(
-    lambda inner: [(0.0, 0.0), *zip(sorted(p[0] for p in inner), sorted(p[1] for p in inner), strict=True), (1.0, 1.0)])
+@st.composite
+def stations(draw):
+    """Taper stations in any number of inner points, non-decreasing."""
+    along = sorted(draw(st.lists(st.integers(5, 95), max_size=4, unique=True)))
+    down = sorted(draw(st.lists(st.floats(0, 1), min_size=len(along), max_size=len(along))))
+    return [(0.0, 0.0), *((a / 100, d) for a, d in zip(along, down, strict=True)), (1.0, 1.0)]
 
 
-@given(stations, st.floats(5, 30), st.floats(0.1, 5))
+@given(stations(), st.floats(5, 30), st.floats(0.1, 5))
 @settings(max_examples=200, deadline=None)
 def test_a_taper_never_overshoots(points, base, tip):
     curve = Curve.monotone(90.0, base, tip, points)
@@ -133,7 +140,7 @@ def test_a_taper_never_overshoots(points, base, tip):
         assert curve(90.0 * share) == pytest.approx(base + (tip - base) * drop, abs=1e-9)
 
 
-@given(stations, st.floats(0.0, 80.0))
+@given(stations(), st.floats(0.0, 80.0))
 @settings(max_examples=100, deadline=None)
 def test_a_piece_of_a_curve_is_the_curve(points, start):
     curve = Curve.monotone(90.0, 10.0, 7.0, points)
@@ -146,6 +153,7 @@ def test_cad_and_profile_agree_between_base_and_tip(adult):
     profile = FingerProfile(adult.fingers.index)
     mesh = printable(evaluate(Revolve(fingers.tube(profile))))
     for x in np.linspace(1, 94, 25):
-        assert section_radii(mesh, x) == pytest.approx([profile.bore_radius(x), profile.outer_radius(x)], abs=0.02)
+        expected = [profile.bore_radius(x), profile.outer_radius(x)]
+        assert section_radii(mesh, x) == pytest.approx(expected, abs=0.02)
     for x in (96.0, 99.0, 102.0):
         assert section_radii(mesh, x)[-1] == pytest.approx(profile.outer_radius(x), abs=0.02)

@@ -74,6 +74,11 @@ class Part:
         solids = [solid for _, solid, _ in self.solids()]
         return solids[0] if len(solids) == 1 else Compound.makeCompound(solids)
 
+    @property
+    def wrapped(self):
+        """The OCCT shape; by it CQ-editor's and ocp-vscode's `show_object` know what they can draw."""
+        return self.solid.wrapped
+
     def solids(self) -> list[tuple[str, cadquery.Shape, tuple[float, float, float]]]:
         """(name, B-rep, colour) of every body for STEP."""
         from handgen.geometry.brep_kernel import evaluate

@@ -1,0 +1,42 @@
+# Everything happens in .venv; no other state outside the repository is touched.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+
+.PHONY: help hand test test-slow lint format bench clean
+.DEFAULT_GOAL := help
+
+help:  ## show this list
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "handgen needs Python 3.11 or newer; name one with: make PYTHON=python3.12 ..." >&2; exit 2; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
+	  echo "Python's venv is missing; on Debian: apt install python3-venv" >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+hand: $(READY)  ## build params/adult.yaml into outputs/adult/
+	$(BIN)/handgen build params/adult.yaml
+
+test: $(READY)  ## run the tests
+	$(BIN)/python -m pytest
+
+test-slow: $(READY)  ## run the long studies (hundreds of random hands, kills at random moments)
+	$(BIN)/python -m pytest -m slow
+
+lint: $(READY)  ## style and the one-way data flow
+	$(BIN)/ruff check .
+	$(BIN)/lint-imports
+
+format: $(READY)  ## mend what style can mend by itself
+	$(BIN)/ruff check --fix .
+
+bench: $(READY)  ## time the build (prints a table)
+	$(BIN)/python -m tests.benchmarks.build
+
+clean:  ## remove .venv and caches; outputs/ stays
+	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis .import_linter_cache *.egg-info
