@@ -38,7 +38,7 @@ def exoskeleton(hand: Hand, name: str) -> Part:
         shape=shape(finger, hand.exoskeleton.joint_fillet),
         colour=COLOUR,
         path=f"fingers.{name}",
-        up=(-1.0, 0.0, 0.0),
+        up=(1.0, 0.0, 0.0),
     )
 
 

@@ -140,11 +140,13 @@ def _points(path: csg.Path, steps: list[int]) -> np.ndarray:
 
 
 def segments_for(radius: float) -> int:
-    """Chords around a circle so that none lies more than CHORD inside it; a multiple of 4."""
-    if radius <= CHORD:
-        return MIN_SEGMENTS
-    exact = math.pi / math.acos(1.0 - CHORD / radius)
-    return max(MIN_SEGMENTS, 4 * math.ceil(exact / 4.0))
+    """Chords around a circle so that none lies more than CHORD inside it: 64, 128, 256 ...
+
+    Doubling keeps the corners of one part on those of the next: an actuator that fills its bore
+    without clearance then touches it everywhere and cuts into it nowhere.
+    """
+    exact = math.pi / math.acos(1.0 - CHORD / max(radius, 2 * CHORD))
+    return MIN_SEGMENTS * 2 ** max(0, math.ceil(math.log2(exact / MIN_SEGMENTS)))
 
 
 def _revolve(path: csg.Path) -> Manifold:
