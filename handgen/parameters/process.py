@@ -9,6 +9,14 @@ from pydantic import Field
 from handgen.parameters.quantity import Model, item, quantity
 
 
+ROLES = {
+    "finger": ("exoskeleton",),
+    "hand": ("exoskeleton",),
+    "tooling": ("mould_a", "mould_b", "mould_base", "core_large", "core_small", "suspender", "plug", "collar"),
+}
+"""Print process -> the roles of the parts printed with it (Figure 4.7)."""
+
+
 class Silicone(Model):
     """A two-part platinum silicone (Table 3.1, Appendix C)."""
 
@@ -43,6 +51,9 @@ class Casting(Model):
         "cast: cores hang from the suspender, the tip is poured with the layers (Section 4.2.2); "
         "filled afterwards: cores stand in a groove of the mould's floor and the hole they leave is "
         "filled from inside (Section 4.1.2)", default="cast")
+    tip_fill: float = quantity(
+        "mm", 0, 10, "silicone added at the tip from inside, part of `layers.tip`; only with `tip: filled afterwards`",
+        source="Section 4.1.2", default=2.0)
     minimum_core_tip_diameter: float = quantity(
         "mm", 0.8, 10, "thinnest small core that prints and can be pulled", default=2.5,
         assumed="seven lines of a 0.35 mm nozzle; the thinnest PLA rod of 75 mm that survives demoulding")
@@ -73,8 +84,8 @@ class Seal(Model):
                                  assumed="Ninjaflex gives; the collar is pressed in")
     glue_gap: float = quantity("mm", 0, 0.5, "radial gap between plug and collar", default=0.1,
                                assumed="thin cyanoacrylate film")
-    tube_outer_diameter: float = quantity("mm", 1.5, 10, "outside diameter of the air tube", default=4.0,
-                                          assumed="common 4 x 2.5 mm polyurethane tube")
+    tube_outer_diameter: float = quantity("mm", 1.5, 10, "outside diameter of the air tube", default=3.0,
+                                          assumed="common 3 x 2 mm tube; the little finger's channel is 4 mm wide")
     tube_fit: float = quantity("mm", 0, 1, "radial clearance of the tube in its hole", default=0.05,
                                assumed="glued in")
 

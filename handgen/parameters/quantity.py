@@ -11,7 +11,7 @@ from pydantic_core import PydanticUndefined
 class Model(BaseModel):
     """Frozen and closed: an unknown key is an error, a value never changes after loading."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True, defer_build=True)
 
 
 def quantity(
