@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from handgen.geometry.csg import Path
+from handgen.parameters import derive
 from handgen.parameters.finger import Actuator, Finger, Joint, Layers
 
 FLAT = ([0.0, 0.0], [1.0, 1.0])
@@ -39,23 +40,8 @@ class Curve:
 
     @classmethod
     def monotone(cls, length: float, start: float, end: float, stations) -> Curve:
-        """From `start` at 0 to `end` at `length` through `stations`, without overshoot.
-
-        Fritsch and Carlson's monotone interpolant (SIAM J. Numer. Anal. 17, 1980) with the
-        harmonic mean for inner slopes; level at both ends, so that the diameter quoted for base
-        or tip holds over a visible length and the rounded tip joins without an edge.
-        """
-        x = np.array([s[0] for s in stations]) * length
-        y = start + (end - start) * np.array([s[1] for s in stations])
-        secant = np.diff(y) / np.diff(x)
-        slope = np.zeros(len(x))
-        for i in range(1, len(x) - 1):
-            a, b = secant[i - 1], secant[i]
-            slope[i] = 2 * a * b / (a + b) if a * b > 0 else 0.0
-        return cls(tuple(
-            Piece(*map(float, (x[i], x[i + 1], y[i], y[i + 1], slope[i], slope[i + 1])))
-            for i in range(len(x) - 1)
-        ))
+        """From `start` at 0 to `end` at `length` through `stations` (`derive.monotone`)."""
+        return cls(tuple(Piece(*piece) for piece in derive.monotone(length, start, end, stations)))
 
     @property
     def end(self) -> float:
@@ -187,6 +173,8 @@ class ActuatorProfile:
     layers: Layers
     minimum_core: float
     stations: tuple
+    tip_fill: float = 0.0
+    """Silicone added at the tip from inside, mm; 0 where the tip is cast with the layers."""
 
     @property
     def length(self) -> float:
@@ -231,6 +219,11 @@ class ActuatorProfile:
         """The small core's surface: the air chamber."""
         return self._inside(self.layers.stack).between(0.0, self.small_core_end)
 
+    @cached_property
+    def casting_core(self) -> Curve:
+        """The small core as it stands in the mould: longer than the chamber by what is filled."""
+        return self._inside(self.layers.stack).between(0.0, self.small_core_end + self.tip_fill)
+
     @property
     def large_core_end(self) -> float:
         """Tip of the large core: the first pour wraps it in one thickness, tip included."""
@@ -239,5 +232,5 @@ class ActuatorProfile:
 
     @property
     def small_core_end(self) -> float:
-        """Tip of the small core = end of the air chamber."""
+        """End of the air chamber = tip of the small core, unless the tip is filled afterwards."""
         return self.length - self.layers.tip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import pairwise
 
 from handgen.parameters.finger import Actuator, Finger, Layers
 
@@ -25,7 +26,7 @@ def monotone(length: float, start: float, end: float, stations: Sequence[Sequenc
     y = [start + (end - start) * s[1] for s in stations]
     secants = [(y[i + 1] - y[i]) / (x[i + 1] - x[i]) for i in range(len(x) - 1)]
     slopes = [0.0] * len(x)
-    for i, (a, b) in enumerate(zip(secants, secants[1:], strict=False), start=1):
+    for i, (a, b) in enumerate(pairwise(secants), start=1):
         slopes[i] = 2 * a * b / (a + b) if a * b > 0 else 0.0
     return tuple((x[i], x[i + 1], y[i], y[i + 1], slopes[i], slopes[i + 1]) for i in range(len(x) - 1))
 
@@ -52,11 +53,17 @@ def tightest(actuator: Actuator, finger: Finger) -> tuple[float, float, float]:
 
     Compared at 0.5 mm steps and at all stations: the curves are smooth and monotone between.
     """
-    outside = monotone(actuator.outer_length, actuator.base_outer_diameter,
-                       actuator.tip_outer_diameter, stations(actuator, finger))
+    outside = monotone(
+        actuator.outer_length,
+        actuator.base_outer_diameter,
+        actuator.tip_outer_diameter,
+        stations(actuator, finger),
+    )
     bore = monotone(finger.inner_length, finger.base_bore_diameter, finger.tip_bore_diameter, finger.taper)
     places = {p[1] for p in (*outside, *bore)} | {0.5 * i for i in range(int(2 * actuator.outer_length) + 1)}
-    pairs = ((x, value_at(outside, x), value_at(bore, x)) for x in sorted(places) if x <= actuator.outer_length)
+    pairs = (
+        (x, value_at(outside, x), value_at(bore, x)) for x in sorted(places) if x <= actuator.outer_length
+    )
     return min(pairs, key=lambda place: place[2] - place[1])
 
 

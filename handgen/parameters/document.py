@@ -22,8 +22,19 @@ MAXIMUM_DEPTH = 20
 """Levels of nesting; a hand has 6."""
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-WORDS = {"": None, "~": None, "null": None, "Null": None, "NULL": None,
-         "true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+WORDS = {
+    "": None,
+    "~": None,
+    "null": None,
+    "Null": None,
+    "NULL": None,
+    "true": True,
+    "True": True,
+    "TRUE": True,
+    "false": False,
+    "False": False,
+    "FALSE": False,
+}
 INTEGER = re.compile(r"[-+]?[0-9]{1,15}")
 NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 SPECIAL = re.compile(r"([-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
@@ -49,12 +60,12 @@ def read(file: str) -> Document:
     try:
         content = _bytes(file)
         if not content.strip():
-            raise _Refused("the file is empty", allowed="a mapping with `schema: handgen.hand/1`")
+            raise _RefusedError("the file is empty", allowed="a mapping with `schema: handgen.hand/1`")
         _Builder(document).build(content.decode("utf-8-sig"))
         if not isinstance(document.data, dict):
             document.data = None
-            raise _Refused("the top level is no mapping", allowed="`key: value` lines")
-    except _Refused as refused:
+            raise _RefusedError("the top level is no mapping", allowed="`key: value` lines")
+    except _RefusedError as refused:
         document.data = None
         document.faults.append(refused.fault)
     except UnicodeDecodeError as error:
@@ -65,7 +76,7 @@ def read(file: str) -> Document:
     return document
 
 
-class _Refused(Exception):
+class _RefusedError(Exception):
     def __init__(self, message: str, **more):
         self.fault = Fault((), message, **more)
 
@@ -75,18 +86,21 @@ def _bytes(file: str) -> bytes:
     path = FilePath(file)
     try:
         if path.is_dir():
-            raise _Refused("is a directory", suggestion=_neighbour(path, path / "x.yaml"))
+            raise _RefusedError("is a directory", suggestion=_neighbour(path, path / "x.yaml"))
         if not path.exists():
-            raise _Refused("there is no such file", suggestion=_neighbour(path.parent, path))
+            raise _RefusedError("there is no such file", suggestion=_neighbour(path.parent, path))
         if not path.is_file():
-            raise _Refused("is no regular file")
+            raise _RefusedError("is no regular file")
         with path.open("rb") as stream:
             content = stream.read(MAXIMUM_SIZE + 1)
     except (OSError, ValueError) as error:
-        raise _Refused(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        raise _RefusedError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if len(content) > MAXIMUM_SIZE:
-        raise _Refused(f"is larger than {MAXIMUM_SIZE // 1000} kB", value=os.path.getsize(file),
-                       allowed=f"at most {MAXIMUM_SIZE} bytes")
+        raise _RefusedError(
+            f"is larger than {MAXIMUM_SIZE // 1000} kB",
+            value=os.path.getsize(file),
+            allowed=f"at most {MAXIMUM_SIZE} bytes",
+        )
     return content
 
 
@@ -121,7 +135,7 @@ class _Builder:
             if isinstance(event, yaml.DocumentStartEvent):
                 documents += 1
                 if documents > 1:
-                    raise _Refused("holds more than one YAML document (`---`)", allowed="one document")
+                    raise _RefusedError("holds more than one YAML document (`---`)", allowed="one document")
             elif isinstance(event, yaml.AliasEvent):
                 self.refuse_as_key(event)
                 path = self.place(event, None)
@@ -139,7 +153,7 @@ class _Builder:
 
     def refuse_as_key(self, event: yaml.Event) -> None:
         if self.at_key():
-            raise _Refused("a key must be a plain word", line=event.start_mark.line + 1)
+            raise _RefusedError("a key must be a plain word", line=event.start_mark.line + 1)
 
     def fault(self, path: Path, message: str, event: yaml.Event, **more) -> None:
         self.document.faults.append(Fault(path, message, line=event.start_mark.line + 1, **more))
@@ -158,8 +172,11 @@ class _Builder:
 
     def open(self, event: yaml.CollectionStartEvent) -> None:
         if len(self.stack) >= MAXIMUM_DEPTH:
-            raise _Refused("is nested too deeply", allowed=f"at most {MAXIMUM_DEPTH} levels",
-                           line=event.start_mark.line + 1)
+            raise _RefusedError(
+                "is nested too deeply",
+                allowed=f"at most {MAXIMUM_DEPTH} levels",
+                line=event.start_mark.line + 1,
+            )
         self.refuse_as_key(event)
         collection: dict | list = {} if isinstance(event, yaml.MappingStartEvent) else []
         path = self.place(event, collection)
@@ -170,7 +187,9 @@ class _Builder:
 
     def decorations(self, path: Path, event: yaml.NodeEvent, value: object = None) -> None:
         if event.anchor:
-            self.fault(path, f"anchor &{event.anchor}: anchors and aliases are not allowed", event, value=value)
+            self.fault(
+                path, f"anchor &{event.anchor}: anchors and aliases are not allowed", event, value=value
+            )
         if event.tag not in PLAIN_TAGS:
             self.fault(path, f"tag {event.tag}: YAML tags are not allowed", event, value=value)
 

@@ -80,8 +80,12 @@ def _pattern(text: str) -> str:
 
 def limits(info: FieldInfo) -> str | None:
     """`2 to 40 mm`, from a field's bounds and unit; None without bounds."""
-    bounds = {name: value for m in info.metadata for name in ("ge", "le")
-              if (value := getattr(m, name, None)) is not None}
+    bounds = {
+        name: value
+        for m in info.metadata
+        for name in ("ge", "le")
+        if (value := getattr(m, name, None)) is not None
+    }
     if len(bounds) < 2:
         return None
     unit = (info.json_schema_extra or {}).get("unit", "")
@@ -126,5 +130,3 @@ def _unwrapped(annotation: object) -> typing.Any:
             annotation = next(a for a in typing.get_args(annotation) if a is not type(None))
         else:
             return annotation
-
-

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from handgen.parameters.quantity import Model, item, quantity
 
@@ -37,25 +37,32 @@ class Placement(Model):
     """Where a finger stands on the palm (hand axes: x to the fingertips, y to the thumb, z dorsal)."""
 
     root: Point = item("centre of the root plane, [x, y, z] mm")
-    splay: float = quantity("deg", -60, 100, "angle of the axis to x in the palm's plane, positive to the thumb")
-    palmar_tilt: float = quantity("deg", -30, 60, "angle of the axis below the palm's plane", default=0.0,
-                                  assumed="the source draws the fingers in the palm's plane")
-    roll: float = quantity("deg", -120, 120, "turn about the axis; positive turns the pad towards the little finger",
-                           default=0.0, assumed="the source gives no roll")
+    splay: float = quantity(
+        "deg", -60, 100, "angle of the axis to x in the palm's plane, positive to the thumb")
+    palmar_tilt: float = quantity(
+        "deg", -30, 60, "angle of the axis below the palm's plane", default=0.0,
+        assumed="the source draws the fingers in the palm's plane")
+    roll: float = quantity(
+        "deg", -120, 120, "turn about the axis; positive turns the pad towards the little finger",
+        default=0.0, assumed="the source gives no roll")
 
 
 class Finger(Model):
     """One finger's exoskeleton: Table A.1 and what that table leaves open."""
 
-    outer_length: float = quantity("mm", 20, 250, "L_Ext: root plane to the outside of the tip", source="Table A.1")
-    inner_length: float = quantity("mm", 15, 240, "L_Int: root plane to the end of the bore", source="Table A.1")
-    base_outer_diameter: float = quantity("mm", 6, 60, "D_Base: outside, at the root plane", source="Table A.1")
+    outer_length: float = quantity(
+        "mm", 20, 250, "L_Ext: root plane to the outside of the tip", source="Table A.1")
+    inner_length: float = quantity(
+        "mm", 15, 240, "L_Int: root plane to the end of the bore", source="Table A.1")
+    base_outer_diameter: float = quantity(
+        "mm", 6, 60, "D_Base: outside, at the root plane", source="Table A.1")
     base_bore_diameter: float = quantity("mm", 4, 56, "d_Base: bore, at the root plane", source="Table A.1")
     tip_outer_diameter: float = quantity(
         "mm", 4, 60, "D_Tip: outside, where the bore ends and the rounded tip begins", source="Table A.1")
     tip_bore_diameter: float = quantity("mm", 2, 56, "d_Tip: bore, at its end", source="Table A.1")
     taper: list[Station] = item(
-        "stations [share of the inner length, share of the way from base to tip diameter], from [0, 0] to [1, 1]",
+        "stations [share of the inner length, share of the way from base to tip diameter], "
+        "from [0, 0] to [1, 1]",
         default_factory=lambda: [[0.0, 0.0], [0.5, 0.36], [1.0, 1.0]],
         assumed=TAPER_REASON, min_length=2, max_length=12)
     joints: list[Joint] = item("from root to tip", min_length=1, max_length=5)
@@ -74,6 +81,10 @@ class Layers(Model):
     def stack(self) -> float:
         """Radial thickness of the whole wall, mm."""
         return self.external + self.thread + self.internal
+
+    def core_room(self, outer_diameter: float) -> float:
+        """Diameter that the full stack leaves for the small core, mm; below zero: none at all."""
+        return outer_diameter - 2 * self.stack
 
 
 class Thread(Model):
@@ -94,7 +105,8 @@ class Thread(Model):
 class Actuator(Model):
     """One fibre-reinforced silicone actuator: Table A.2."""
 
-    outer_length: float = quantity("mm", 12, 240, "length from the base to the outside of the tip", source="Table A.2")
+    outer_length: float = quantity(
+        "mm", 12, 240, "length from the base to the outside of the tip", source="Table A.2")
     base_outer_diameter: float = quantity("mm", 4, 56, "outside diameter at the base", source="Table A.2")
     tip_outer_diameter: float = quantity("mm", 2, 56, "outside diameter at the tip", source="Table A.2")
     taper: list[Station] | None = item(

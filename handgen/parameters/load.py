@@ -110,14 +110,17 @@ class _Chain:
     def next_file(self, here: Document, base: object, seen: list[str]) -> str:
         """The path of the extended file; "" (and a problem) if it cannot be followed."""
         fault = None
-        file = os.path.normpath(os.path.join(os.path.dirname(here.file), base)) if isinstance(base, str) else ""
-        if not isinstance(base, str) or not base:
+        named = isinstance(base, str) and base and "\0" not in base
+        file = os.path.normpath(os.path.join(os.path.dirname(here.file), base)) if named else ""
+        if not named:
             fault = Fault(("extends",), "should be the name of a YAML file", base)
         elif os.path.realpath(file) in seen:
             names = [os.path.basename(f) for f in (*seen, file)]
-            fault = Fault(("extends",), "the files extend each other in a circle: " + " -> ".join(names), base)
+            circle = " -> ".join(names)
+            fault = Fault(("extends",), f"the files extend each other in a circle: {circle}", base)
         elif len(seen) >= LONGEST_CHAIN:
-            fault = Fault(("extends",), "the chain of files is too long", base, f"at most {LONGEST_CHAIN} files")
+            allowed = f"at most {LONGEST_CHAIN} files"
+            fault = Fault(("extends",), "the chain of files is too long", base, allowed)
         elif not os.path.isfile(file):
             wanted = document.read(file).faults[0]
             fault = Fault(("extends",), wanted.message, base, suggestion=wanted.suggestion)
@@ -167,7 +170,9 @@ class _Chain:
     def add(self, fault: Fault, here: Document) -> None:
         line = fault.line or _line(here, fault.path)
         message = f"line {line}: {fault.message}" if line else fault.message
-        problem = Problem(here.file, text(fault.path), _short(fault.value), message, fault.allowed, fault.suggestion)
+        problem = Problem(
+            here.file, text(fault.path), _short(fault.value), message, fault.allowed, fault.suggestion
+        )
         self.problems.append(((self.documents.index(here), line or 0), problem))
 
     def ordered(self) -> list[Problem]:
@@ -183,12 +188,10 @@ def _reach(data: Any, path: Path) -> tuple[int, bool]:
     """How many keys of `path` a file states, and whether it has the final word there."""
     here = data
     for depth, key in enumerate(path):
-        if isinstance(here, dict) and key in here:
-            here = here[key]
-        elif isinstance(here, list) and isinstance(key, int) and key < len(here):
-            here = here[key]
-        else:
+        names = here if isinstance(here, dict) else range(len(here)) if isinstance(here, list) else ()
+        if key not in names:
             return depth, depth > 0 and not isinstance(here, dict)
+        here = here[key]
     return len(path), True
 
 

@@ -110,7 +110,8 @@ def check(pieces: Pieces) -> Iterator[Fault]:
 def lengths(finger: Finger, at: Path) -> Iterator[Fault]:
     limit = finger.outer_length - LEAST_TIP
     if finger.inner_length > limit + ROUNDING:
-        yield Fault((*at, "inner_length"), f"leaves no closed tip: the finger is {finger.outer_length:g} mm long",
+        yield Fault((*at, "inner_length"),
+                    f"leaves no closed tip: the finger is {finger.outer_length:g} mm long",
                     finger.inner_length, f"at most {limit:g} mm (outer_length - {LEAST_TIP:g})")
 
 
@@ -121,7 +122,7 @@ def walls(finger: Finger, at: Path) -> Iterator[Fault]:
         wall = (outside - bore) / 2
         if wall < LEAST_WALL - ROUNDING:
             yield Fault((*at, f"{end}_bore_diameter"), f"leaves a wall of {wall:g} mm at the {end}", bore,
-                        f"at most {outside - 2 * LEAST_WALL:g} mm ({end}_outer_diameter - {2 * LEAST_WALL:g})")
+                        f"at most {outside - 2 * LEAST_WALL:g} mm, with {end}_outer_diameter {outside:g}")
 
 
 def narrowing(piece: Finger | Actuator, at: Path) -> Iterator[Fault]:
@@ -129,7 +130,8 @@ def narrowing(piece: Finger | Actuator, at: Path) -> Iterator[Fault]:
     for what in ("outer_diameter", "bore_diameter"):
         base, tip = getattr(piece, f"base_{what}", None), getattr(piece, f"tip_{what}", None)
         if base is not None and tip is not None and tip > base + ROUNDING:
-            yield Fault((*at, f"tip_{what}"), "is wider than the base", tip, f"at most {base:g} mm (base_{what})")
+            yield Fault((*at, f"tip_{what}"), "is wider than the base", tip,
+                        f"at most {base:g} mm (base_{what})")
 
 
 def stations(taper: list[list[float]], at: Path) -> Iterator[Fault]:
@@ -139,7 +141,8 @@ def stations(taper: list[list[float]], at: Path) -> Iterator[Fault]:
         yield Fault((*at, len(taper) - 1), "the taper must end at the tip", taper[-1], "[1, 1]")
     for i, (a, b) in enumerate(pairwise(taper), start=1):
         if b[0] <= a[0]:
-            yield Fault((*at, i, 0), "stations must follow each other along the axis", b[0], f"more than {a[0]:g}")
+            yield Fault((*at, i, 0), "stations must follow each other along the axis", b[0],
+                        f"more than {a[0]:g}")
         if b[1] < a[1]:
             yield Fault((*at, i, 1), "a finger only narrows towards its tip", b[1], f"at least {a[1]:g}")
 
@@ -156,8 +159,8 @@ def joints_inside(finger: Finger, at: Path) -> Iterator[Fault]:
             allowed = (f"{END_RING + half:g} to {end - half:g} mm for a slot of {joint.slot_length:g} mm"
                        if END_RING + half <= end - half else "a shorter slot")
             yield Fault((*at, "joints", i, "position"),
-                        f"the slot of {joint.name} would reach from {slot(joint)[0]:g} to {slot(joint)[1]:g} mm, "
-                        f"beyond the closed part (root 0, end of the bore {finger.inner_length:g})",
+                        f"the slot of {joint.name} would reach from {slot(joint)[0]:g} to "
+                        f"{slot(joint)[1]:g} mm, out of the bore (0 to {finger.inner_length:g})",
                         joint.position, allowed)
 
 
@@ -166,7 +169,8 @@ def joints_apart(finger: Finger, at: Path) -> Iterator[Fault]:
         if slot(b)[0] - slot(a)[1] < LEAST_PHALANX - ROUNDING:
             limit = slot(a)[1] + LEAST_PHALANX + b.slot_length / 2
             yield Fault((*at, "joints", i, "position"),
-                        f"the slot of {b.name} must lie beyond that of {a.name} with {LEAST_PHALANX:g} mm closed between",
+                        f"the slot of {b.name} must lie beyond that of {a.name}, "
+                        f"with {LEAST_PHALANX:g} mm closed between",
                         b.position, f"at least {limit:g} mm")
 
 
@@ -182,7 +186,8 @@ def joint_names(finger: Finger, at: Path) -> Iterator[Fault]:
 def curl(finger: Finger, at: Path) -> Iterator[Fault]:
     total = sum(joint.rest_angle for joint in finger.joints)
     if total > MOST_CURL + ROUNDING:
-        yield Fault((*at, "joints"), "the rest angles add up to too much", total, f"at most {MOST_CURL:g} deg in sum")
+        yield Fault((*at, "joints"), "the rest angles add up to too much", total,
+                    f"at most {MOST_CURL:g} deg in sum")
 
 
 # An actuator
@@ -237,13 +242,13 @@ def tip_layer(actuator: Actuator, layers: Layers, at: Path, name: str) -> Iterat
 
 def winding(actuator: Actuator, layers: Layers, thread: Thread, at: Path, name: str) -> Iterator[Fault]:
     if thread.diameter > layers.thread + ROUNDING:
-        yield Fault((*at, "diameter"), f"does not fit the room drawn for the thread of {name}", thread.diameter,
-                    f"at most {layers.thread:g} mm (layers.thread)")
+        yield Fault((*at, "diameter"), f"does not fit the room drawn for the thread of {name}",
+                    thread.diameter, f"at most {layers.thread:g} mm (layers.thread)")
     if thread.pitch <= thread.diameter:
         yield Fault((*at, "pitch"), f"the turns of {name} would lie on each other", thread.pitch,
                     f"more than {thread.diameter:g} mm (thread.diameter)")
     room = actuator.outer_length - layers.tip - 2 * thread.held_back
-    if 0 < actuator.outer_length - layers.tip and room < thread.pitch:
+    if layers.tip < actuator.outer_length and room < thread.pitch:
         yield Fault((*at, "held_back"), f"leaves {room:g} mm for the thread of {name}, less than one turn",
                     thread.held_back, f"at most {(room - thread.pitch) / 2 + thread.held_back:g} mm")
 
@@ -253,24 +258,28 @@ def core(actuator: Actuator, layers: Layers, casting: Casting, at: Path, name: s
     least = casting.minimum_core_tip_diameter
     base = layers.core_room(actuator.base_outer_diameter)
     if base < least - ROUNDING:
+        most = (actuator.base_outer_diameter - least) / 2
         yield Fault(at, f"the layers leave a small core of {base:g} mm at the base of {name}", layers.stack,
-                    f"at most {(actuator.base_outer_diameter - least) / 2:g} mm in sum, for a core of {least:g} mm")
+                    f"at most {most:g} mm in sum, for a core of {least:g} mm")
         return
     tip = layers.core_room(actuator.tip_outer_diameter)
     if not actuator.adapt and tip < least - ROUNDING:
         yield Fault(("actuators", name, "tip_outer_diameter"),
-                    f"core tip diameter would be {tip:g} mm ({name}), and `adapt: false` forbids thinner layers",
-                    actuator.tip_outer_diameter, f"at least {least + 2 * layers.stack:g} mm, or `adapt: true`")
+                    f"core tip diameter would be {tip:g} mm ({name}); `adapt: false` forbids thinner layers",
+                    actuator.tip_outer_diameter,
+                    f"at least {least + 2 * layers.stack:g} mm, or `adapt: true`")
 
 
-def thinned(actuator: Actuator, layers: Layers, thread: Thread, casting: Casting, name: str) -> Iterator[Fault]:
+def thinned(
+    actuator: Actuator, layers: Layers, thread: Thread, casting: Casting, name: str
+) -> Iterator[Fault]:
     """Layers that are thinned at the tip must still pour, and hold the thread."""
     share = derive.thinning(actuator, layers, casting.minimum_core_tip_diameter)
     needed = max(THINNEST_LAYER / min(layers.external, layers.internal), thread.diameter / layers.thread)
     if actuator.adapt and share < 1.0 and share < needed - ROUNDING and needed <= 1.0:
         least = casting.minimum_core_tip_diameter + 2 * needed * layers.stack
         yield Fault(("actuators", name, "tip_outer_diameter"),
-                    "leaves too little for core, layers and thread at the tip, however the layers are thinned",
+                    "leaves too little at the tip for core, thread and layers, however thin",
                     actuator.tip_outer_diameter, f"at least {least:.4g} mm")
 
 
@@ -283,8 +292,9 @@ def plug(actuator: Actuator, layers: Layers, seal: Seal, name: str) -> Iterator[
     hole = seal.tube_outer_diameter + 2 * seal.tube_fit
     if channel > 0 and (channel - hole) / 2 < LEAST_WALL - ROUNDING:
         yield Fault(("seal", "tube_outer_diameter"),
-                    f"leaves a wall of {(channel - hole) / 2:g} mm in the plug of {name}, whose channel is {channel:g} mm",
-                    seal.tube_outer_diameter, f"at most {channel - 2 * LEAST_WALL - 2 * seal.tube_fit:g} mm")
+                    f"leaves a wall of {(channel - hole) / 2:g} mm in the plug of {name}, "
+                    f"whose channel is {channel:g} mm wide", seal.tube_outer_diameter,
+                    f"at most {channel - 2 * LEAST_WALL - 2 * seal.tube_fit:g} mm")
 
 
 # The hand
@@ -311,7 +321,7 @@ def opposition(pieces: Pieces) -> Iterator[Fault]:
     if "actuators" in pieces.present:
         for name in OPPOSITION:
             if name not in given:
-                yield Fault(("actuators", name), "missing: the `opposition` hinge needs both of its actuators")
+                yield Fault(("actuators", name), "missing: the `opposition` hinge needs both actuators")
     if "palm" not in pieces.present:
         yield Fault(("opposition",), "needs a `palm` to stand on")
     if "thumb" not in pieces.fingers and "fingers" in pieces.present:
@@ -320,8 +330,8 @@ def opposition(pieces: Pieces) -> Iterator[Fault]:
     if pieces.opposition and all(pair):
         least = sum(a.base_outer_diameter for a in pair if a) / 2 + 2 * pieces.opposition.clearance
         if pieces.opposition.spacing < least - ROUNDING:
-            yield Fault(("opposition", "spacing"), "the two actuators would overlap", pieces.opposition.spacing,
-                        f"at least {least:g} mm")
+            yield Fault(("opposition", "spacing"), "the two actuators would overlap",
+                        pieces.opposition.spacing, f"at least {least:g} mm")
 
 
 def hand_length(pieces: Pieces) -> Iterator[Fault]:
@@ -339,5 +349,5 @@ def roles(process: PrintProcess, name: str) -> Iterator[Fault]:
     for what in ("part_adhesion", "part_support"):
         for role in getattr(process, what):
             if role not in ROLES[name]:
-                yield Fault(("printing", name, what, role), f"no part printed as `{name}` has this role", role,
-                            "one of " + ", ".join(ROLES[name]), nearest(role, ROLES[name]))
+                yield Fault(("printing", name, what, role), f"no part printed as `{name}` has this role",
+                            role, "one of " + ", ".join(ROLES[name]), nearest(role, ROLES[name]))
