@@ -1,0 +1,110 @@
+"""What seals an actuator's base (Figure 4.7 g, h): the plug in its channel, the collar behind it.
+
+The plug is glued into the channel and holds the tube; the collar lies on the plug's neck behind the
+silicone and guides the base squarely into the exoskeleton's bore. Printed standing on the flange.
+"""
+
+from __future__ import annotations
+
+from handgen.geometry import csg
+from handgen.geometry.actuator import layers_path
+from handgen.geometry.casting import MARGIN, Setup
+from handgen.parameters.model import OPPOSITION
+
+LEAST = 0.8
+"""Thinnest wall of plug and collar, mm: two lines of a 0.35 mm nozzle."""
+SHOULDER = 1.0
+"""How far the neck reaches over the silicone's end face beyond the plug, mm."""
+FLANGE = 2.0
+"""Thickness of the flange behind the collar, mm."""
+LEAD_IN = 0.6
+"""Chamfer of the tube's hole and of the plug's tip, mm."""
+
+
+def plug(setup: Setup) -> csg.Shape:
+    """Shank in the channel, neck for the collar, flange, and the tube's hole right through.
+
+    Where the channel is too narrow for the tube (a little finger's), the hole ends on a step in
+    the neck and a narrower one carries the air on.
+    """
+    length, squeeze = setup.seal.plug_length, setup.seal.plug_squeeze
+    if length > setup.profile.small_core_end - MARGIN:
+        raise setup.error("plug", "seal.plug_length",
+                          f"{length:g} mm do not fit a chamber of {setup.profile.small_core_end:.2f} mm")
+    shank = setup.profile.small_core.affine(1.0, squeeze).between(0.0, length - LEAD_IN)
+    neck, back = _neck(setup), _back(setup)
+    flange = (neck + _outside(setup)) / 2
+    path = csg.Path((back, 0.0), ()).line((back, flange), (back + FLANGE, flange), (back + FLANGE, neck))
+    path = shank.append_to(path.line((0.0, neck), (0.0, shank(0.0))))
+    tip = shank(length) - LEAD_IN / 2
+    return csg.Difference(csg.Revolve(path.line((length, tip), (length, 0.0))), (_bore(setup, tip),))
+
+
+def _bore(setup: Setup, tip: float) -> csg.Shape:
+    """The tube's hole with its lead-in, and what carries on where it does not fit the shank."""
+    tube, back, out = _tube(setup), _back(setup), setup.seal.plug_length + MARGIN
+    entry = tube + LEAD_IN + MARGIN
+    path = csg.Path((out, 0.0), ()).line((back - MARGIN, 0.0), (back - MARGIN, entry))
+    path = path.line((back + LEAD_IN, tube))
+    if tip - tube >= LEAST:
+        return csg.Revolve(path.line((out, tube)))
+    air = tip - LEAST
+    if air < LEAST / 2:
+        raise setup.error("plug", f"{setup.path}.base_outer_diameter",
+                          f"a plug of {2 * tip:.2f} mm has no room for an air hole")
+    step = -LEAST - (tube - air)
+    if step < back + 2 * LEAD_IN:
+        raise setup.error("plug", "seal.collar_length",
+                          f"a tube of {2 * tube:.2f} mm ends in the plug's neck, which is too short for it")
+    return csg.Revolve(path.line((step, tube), (-LEAST, air), (out, air)))
+
+
+def collar(setup: Setup) -> csg.Shape:
+    """The ring on the plug's neck, from the silicone's end face backwards."""
+    outside, inside = _outside(setup), _neck(setup) + setup.seal.glue_gap
+    length = setup.seal.collar_length
+    ring = csg.Revolve(csg.Path.polygon([
+        (-length, 0.0), (0.0, 0.0), (0.0, outside),
+        (LEAD_IN - length, outside), (-length, outside - LEAD_IN)]))
+    return csg.Difference(ring, (csg.cylinder(inside, -length - MARGIN, MARGIN),))
+
+
+def bore_radius(setup: Setup) -> float:
+    """Radius of what the actuator's base sits in: the finger's bore, or the palm's socket."""
+    if setup.name in OPPOSITION:
+        opposition = setup.hand.opposition
+        return setup.base + (opposition.clearance if opposition else 0.0)
+    finger = getattr(setup.hand.fingers, setup.name)
+    return finger.base_bore_diameter / 2 if finger else setup.base
+
+
+def _outside(setup: Setup) -> float:
+    return bore_radius(setup) - setup.seal.collar_fit
+
+
+def _tube(setup: Setup) -> float:
+    return setup.seal.tube_outer_diameter / 2 + setup.seal.tube_fit
+
+
+def _back(setup: Setup) -> float:
+    return -setup.seal.collar_length - FLANGE
+
+
+def _neck(setup: Setup) -> float:
+    """Radius of the plug between collar and silicone.
+
+    Raises:
+        GeometryError: tube, plug and collar do not fit into one another inside the bore.
+    """
+    shank = setup.profile.small_core(0.0) + setup.seal.plug_squeeze
+    widest = _outside(setup) - setup.seal.glue_gap - LEAST
+    neck = max(min(shank + SHOULDER, widest), _tube(setup) + LEAST)
+    if shank > widest:
+        raise setup.error("collar", layers_path(setup.hand, setup.name),
+                          f"the plug of {2 * shank:.2f} mm does not pass through a collar that fits a bore of"
+                          f" {2 * bore_radius(setup):.2f} mm: the actuator's wall is too thin")
+    if neck > widest:
+        raise setup.error("collar", "seal.tube_outer_diameter",
+                          f"around the tube a neck of {2 * neck:.2f} mm is needed, but inside a bore of"
+                          f" {2 * bore_radius(setup):.2f} mm the collar leaves {2 * widest:.2f} mm")
+    return neck
