@@ -9,8 +9,6 @@ PARAMS = Path(__file__).parent.parent / "params"
 
 @pytest.fixture(scope="session")
 def adult():
-    import yaml
+    from handgen.parameters.load import load
 
-    from handgen.parameters.model import Hand
-
-    return Hand.model_validate(yaml.safe_load((PARAMS / "adult.yaml").read_text()))
+    return load(PARAMS / "adult.yaml").hand
