@@ -1,9 +1,11 @@
 """The finger's exoskeleton, measured on the mesh that is printed (Table A.1)."""
 
+import io
 import math
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,7 +13,9 @@ from handgen.geometry import finger as fingers
 from handgen.geometry.csg import Revolve
 from handgen.geometry.mesh_kernel import evaluate, printable
 from handgen.geometry.profile import Curve, FingerProfile
+from handgen.parameters.load import load
 from handgen.parameters.model import FINGERS
+from tests.conftest import PARAMS
 from tests.probe import assert_printable, section_radii, walls_along
 
 JUST = 0.3
@@ -23,18 +27,35 @@ def measured(request, adult):
     return getattr(adult.fingers, request.param), fingers.exoskeleton(adult, request.param)
 
 
-def test_table_a1(measured):
-    finger, part = measured
-    mesh = part.mesh
-    assert_printable(mesh)
-    assert mesh.extents[0] == pytest.approx(finger.outer_length, abs=0.1)
-    assert mesh.bounds[0][0] == pytest.approx(0.0, abs=1e-3)
-    base, tip = section_radii(mesh, JUST), section_radii(mesh, finger.inner_length - JUST)
-    assert 2 * base == pytest.approx([finger.base_bore_diameter, finger.base_outer_diameter], abs=0.1)
-    assert 2 * tip == pytest.approx([finger.tip_bore_diameter, finger.tip_outer_diameter], abs=0.1)
-    # A rod pushed down the bore stops at the inner length; the solid tip follows.
-    passed = walls_along(mesh, (-5.0, 0.03, 0.02), (1, 0, 0)) - 5.0
-    assert passed == pytest.approx([finger.inner_length, finger.outer_length], abs=0.1)
+@pytest.mark.parametrize("file", sorted(PARAMS.glob("*.yaml")), ids=lambda p: p.stem)
+def test_table_a1(file):
+    """Lengths and diameters of every shipped finger, on the STL that is written."""
+    hand = load(file).hand
+    for name, finger in hand.fingers.present().items():
+        part = fingers.exoskeleton(hand, name)
+        mesh = trimesh.load(io.BytesIO(part.mesh.export(file_type="stl")), file_type="stl")
+        assert_printable(mesh)
+        assert mesh.bounds[0][0] == pytest.approx(0.0, abs=1e-3)
+        base = section_radii(mesh, JUST)
+        assert 2 * base == pytest.approx([finger.base_bore_diameter, finger.base_outer_diameter], abs=0.1)
+        distal = at_the_tip(mesh, finger, hand.exoskeleton.joint_fillet)
+        tip = section_radii(distal, finger.inner_length - JUST)[-2:]
+        assert 2 * tip == pytest.approx([finger.tip_bore_diameter, finger.tip_outer_diameter], abs=0.1)
+        # A rod pushed on in the distal phalanx stops at the inner length; the solid tip follows.
+        start = finger.inner_length - 5.0
+        passed = walls_along(distal, (start, 0.03, 0.02), (1, 0, 0)) + start
+        assert passed == pytest.approx([finger.inner_length, finger.outer_length], abs=0.1)
+
+
+def at_the_tip(mesh, finger, fillet):
+    """The mesh turned back by its rest curl, so that the distal phalanx lies along x again."""
+    x = finger.inner_length
+    rotation, origin = fingers.Axis(FingerProfile(finger), fillet).placement(x)
+    placed = np.eye(4)
+    placed[:3, :3], placed[:3, 3] = rotation, origin
+    back = np.linalg.inv(placed)
+    back[0, 3] += x
+    return mesh.copy().apply_transform(back)
 
 
 def test_a_slot_leaves_its_palmar_arc(measured):
