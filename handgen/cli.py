@@ -1,0 +1,287 @@
+"""The command line: parse, call, print. No physics, no geometry, nothing heavy before it is needed.
+
+Results go to standard output (JSON with `--json`), everything else to standard error. Exit codes:
+0 done and passed, 1 done and failed a rule, 2 bad input, 3 an engine gave up; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import errno
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NoReturn, TextIO
+
+from handgen import __version__
+from handgen.errors import EngineError, GeometryError, InputError, Problem
+
+PASSED, FAILED, BAD_INPUT, ENGINE, INTERNAL, INTERRUPTED, PIPE_CLOSED = 0, 1, 2, 3, 70, 130, 141
+COMMAND_LINE = "command line"
+USERS_ERRORS = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST,
+                errno.ENOENT, errno.ENAMETOOLONG, errno.EINVAL, errno.ELOOP}
+"""System errors that another path would mend; a full disk is none of them."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where a verb writes: results, and what only people read."""
+
+    results: TextIO
+    people: TextIO
+    as_json: bool = False
+    quiet: bool = False
+
+    def result(self, data: Any, table: str = "") -> None:
+        """The verb's result: JSON for programs, or a table for people."""
+        if self.as_json:
+            print(json.dumps(data, indent=2, allow_nan=False), file=self.results)
+        elif table and not self.quiet:
+            print(table, file=self.people)
+
+    def note(self, text: str) -> None:
+        """Progress and remarks."""
+        if not self.quiet:
+            print(text, file=self.people, flush=True)
+
+    def style(self, text: str, code: str) -> str:
+        """`text` in an ANSI style, on a terminal that wants colours."""
+        coloured = self.people.isatty() and "NO_COLOR" not in os.environ
+        return f"\033[{code}m{text}\033[0m" if coloured else text
+
+
+@dataclass(frozen=True)
+class Verb:
+    """One command: its help, its own arguments, and what it runs; returns the exit code."""
+
+    help: str
+    arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace, Output], int]
+
+
+# build
+
+
+def _build_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("--part", dest="parts", metavar="NAME", nargs="+", action="extend", default=[],
+                        help="only these parts: names or globs (index*, tooling/*)")
+    parser.add_argument("--no-verify", dest="verify", action="store_false",
+                        help="write even a design that fails a rule; the manifest says so")
+    parser.add_argument("--workers", type=_count, default=None, metavar="N",
+                        help="processes to work with (default: one a core)")
+
+
+def _build(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.build import build
+
+    result = build(arguments.params, out=arguments.out, parts=arguments.parts, verify=arguments.verify,
+                   progress=output.note, workers=arguments.workers)
+    errors = [f for f in result["checks"].get("findings", []) if f["severity"] == "error"]
+    lines = [f"  {output.style(f['rule'], '31')} {f['part']}: {f['message']}. {f['fix']}" for f in errors]
+    verdict = output.style("passes", "32") if result["passed"] else output.style("fails", "31")
+    parts = len(result["manifest"].get("parts", []))
+    lines.append(f"{result['name']} {verdict}: {parts} parts in {result['out']}")
+    output.result({**result, "out": str(result["out"])}, "\n".join(lines))
+    return PASSED if result["passed"] else FAILED
+
+
+# schema
+
+
+def _schema_arguments(parser: argparse.ArgumentParser) -> None:
+    """No arguments of its own."""
+
+
+def _schema(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.parameters.schema import json_schema
+
+    text = json.dumps(json_schema(), indent=2)
+    if arguments.out is None:
+        print(text, file=output.results)
+        return PASSED
+    os.makedirs(arguments.out, exist_ok=True)
+    path = os.path.join(arguments.out, "hand.schema.json")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text + "\n")
+    output.result({"schema": path}, path)
+    return PASSED
+
+
+VERBS = {
+    "build": Verb("make the printable, castable parts of a parameter file", _build_arguments, _build),
+    "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
+}
+
+
+# Parsing
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports a wrong command line like any other bad input."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError([Problem(COMMAND_LINE, "", None, message, allowed=self.format_usage().strip())])
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number of at least 1")
+    return int(text)
+
+
+def _parser() -> _Parser:
+    parser = _Parser(prog="handgen", allow_abbrev=False,
+                     description="From one parameter file to a soft pneumatic hand that can be "
+                                 "printed, cast and assembled.")
+    parser.add_argument("--version", action="version", version=f"handgen {__version__}")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    for name, verb in VERBS.items():
+        sub = verbs.add_parser(name, help=verb.help, description=verb.help, allow_abbrev=False)
+        verb.arguments(sub)
+        sub.add_argument("--out", metavar="DIR", help="output folder (default: outputs/<name>/)")
+        sub.add_argument("--json", action="store_true", help="results as JSON on standard output")
+        sub.add_argument("--quiet", action="store_true", help="no progress, no tables")
+    return parser
+
+
+def _parse(argv: Sequence[str]) -> argparse.Namespace:
+    """The parsed command line.
+
+    Raises:
+        InputError: unknown verb or options, each with the nearest valid one.
+    """
+    first = next((word for word in argv if not word.startswith("-")), None)
+    if first is not None and first not in VERBS:
+        raise InputError([Problem(COMMAND_LINE, "VERB", first, "unknown verb", "one of " + ", ".join(VERBS),
+                                  _nearest(first, VERBS))])
+    parser = _parser()
+    arguments, unknown = parser.parse_known_args(argv)
+    if unknown:
+        options = _options(parser, arguments.verb)
+        raise InputError([
+            Problem(COMMAND_LINE, word.split("=")[0], word, f"`{arguments.verb}` does not know this",
+                    "one of " + ", ".join(options), _nearest(word.split("=")[0], options))
+            for word in unknown])
+    return arguments
+
+
+def _options(parser: argparse.ArgumentParser, verb: str) -> list[str]:
+    subparsers = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    return [o for action in subparsers.choices[verb]._actions for o in action.option_strings]
+
+
+def _nearest(word: str, valid: Sequence[str] | dict) -> str | None:
+    return next(iter(difflib.get_close_matches(word, list(valid), n=1, cutoff=0.5)), None)
+
+
+# Running
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code. Only `--help` and `--version` end in SystemExit."""
+    argv = sys.argv[1:] if argv is None else list(argv)
+    sys.stdout, sys.stderr = (stream or open(os.devnull, "w") for stream in (sys.stdout, sys.stderr))
+    try:
+        code = _run(argv, Output(sys.stdout, sys.stderr, "--json" in argv, "--quiet" in argv))
+        sys.stdout.flush()
+        return code
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has left; Python's own flush at exit must not complain about it again.
+        with contextlib.suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
+
+
+def _run(argv: Sequence[str], output: Output) -> int:
+    file = COMMAND_LINE
+    try:
+        arguments = _parse(argv)
+        file = getattr(arguments, "params", file)
+        with _results_alone() as results:
+            code = VERBS[arguments.verb].run(arguments, replace(output, results=results))
+            results.flush()
+        return code
+    except InputError as error:
+        return _refuse(error.problems, output)
+    except GeometryError as error:
+        return _refuse([Problem(file, error.path, None, f"{error.part}: {error.message}")], output)
+    except EngineError as error:
+        return _give_up(str(error), file, output)
+    except (BrokenPipeError, KeyboardInterrupt):
+        raise
+    except OSError as error:
+        message = error.strerror or str(error)
+        if error.errno in USERS_ERRORS:
+            return _refuse([Problem(str(error.filename or file), "", None, message)], output)
+        return _give_up(message, str(error.filename or file), output)
+    except Exception:
+        import traceback
+
+        traceback.print_exc(file=output.people)
+        print("handgen: this is a mistake in handgen itself; please report it", file=output.people)
+        return INTERNAL
+
+
+def _refuse(problems: Sequence[Problem], output: Output) -> int:
+    """Every error, by file: as the contract's JSON or for people."""
+    if output.as_json:
+        output.result({"errors": [problem.as_dict() for problem in problems]})
+        return BAD_INPUT
+    for file in dict.fromkeys(problem.file for problem in problems):
+        print(output.style(file, "1"), file=output.people)
+        for problem in (p for p in problems if p.file == file):
+            print(_sentence(problem, output), file=output.people)
+    count = len(problems)
+    print(f"{count} error{'s' if count > 1 else ''}; nothing was written", file=output.people)
+    return BAD_INPUT
+
+
+def _sentence(problem: Problem, output: Output) -> str:
+    where = output.style(problem.path, "31") + ": " if problem.path else ""
+    got = "" if problem.value is None else f", got {problem.value!r}"
+    allowed = f"\n      allowed: {problem.allowed}" if problem.allowed else ""
+    mend = f"\n      did you mean {output.style(problem.suggestion, '32')}?" if problem.suggestion else ""
+    return f"  {where}{problem.message}{got}{allowed}{mend}"
+
+
+def _give_up(message: str, file: str, output: Output) -> int:
+    if output.as_json:
+        output.result({"errors": [Problem(file, "", None, message).as_dict()]})
+    print(f"handgen: {message}", file=output.people)
+    return ENGINE
+
+
+@contextlib.contextmanager
+def _results_alone() -> Iterator[TextIO]:
+    """Standard output for results alone: what CAD kernels print there goes to standard error."""
+    stdout = sys.stdout
+    try:
+        saved = os.dup(1)
+    except OSError:
+        yield stdout
+        return
+    stdout.flush()
+    os.dup2(2, 1)
+    own = stdout is sys.__stdout__
+    results = os.fdopen(os.dup(saved), "w", encoding="utf-8") if own else stdout
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield results
+    finally:
+        os.dup2(saved, 1)
+        os.close(saved)
+        if own:
+            with contextlib.suppress(BrokenPipeError):
+                results.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
