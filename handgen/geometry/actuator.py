@@ -14,7 +14,8 @@ import numpy as np
 from handgen.errors import GeometryError
 from handgen.geometry import csg
 from handgen.geometry.part import Body, Part
-from handgen.geometry.profile import FLAT, ActuatorProfile, Curve
+from handgen.geometry.profile import ActuatorProfile, Curve
+from handgen.parameters import derive
 from handgen.parameters.model import FINGERS, Hand
 
 SILICONE = (0.93, 0.90, 0.80)
@@ -68,13 +69,12 @@ def profile_of(hand: Hand, name: str) -> ActuatorProfile:
     """
     given = getattr(hand.actuators, name)
     finger = getattr(hand.fingers, name) if name in FINGERS else None
-    stations = given.taper or (finger.taper if finger else FLAT)
     filled = hand.casting.tip == "filled afterwards"
     profile = ActuatorProfile(
         actuator=given,
         layers=hand.layers_of(name),
         minimum_core=hand.casting.minimum_core_tip_diameter,
-        stations=tuple((float(x), float(share)) for x, share in stations),
+        stations=tuple((float(x), float(share)) for x, share in derive.stations(given, finger)),
         tip_fill=hand.casting.tip_fill if filled else 0.0,
     )
     _check(profile, hand, name)
@@ -226,7 +226,7 @@ def adaptations(hand: Hand) -> list[Adaptation]:
         if profile.thinned_from is None:
             continue
         room = asked.core_room(given.tip_outer_diameter)
-        share = (given.tip_outer_diameter - profile.minimum_core) / 2 / asked.stack
+        share = derive.thinning(given, asked, profile.minimum_core)
         found.append(Adaptation(
             path=f"actuators.{name}.layers",
             asked={"external": asked.external, "thread": asked.thread, "internal": asked.internal,

@@ -7,7 +7,7 @@ between. Nothing in a half lies behind the cavity's edge, so that it opens along
 from __future__ import annotations
 
 from handgen.geometry import csg
-from handgen.geometry.casting import LAND, MARGIN, PIN, SALIENCE, Setup, joined
+from handgen.geometry.casting import ALONG_X, CHAMFER, LAND, MARGIN, PIN, SALIENCE, Setup, joined
 
 PIN_LENGTH = 4.0
 """Half of it a cylinder that guides, half a cone that finds the hole, mm."""
@@ -15,6 +15,8 @@ GROOVE = (5.0, 1.2)
 """Width and depth of the grooves for rubber bands, mm."""
 PRY = (8.0, 2.5, 1.2)
 """Length, depth and height of the notch for a screwdriver in each half's edge, mm."""
+LEAD_IN = 0.8
+"""Chamfer around the ends of the halves, mm."""
 SKIRT_WALL = 2.4
 """Wall of the suspender's skirt and of the base's rim, mm."""
 FLOOR = 4.0
@@ -28,7 +30,7 @@ SPOKE = 3.0
 
 def half(setup: Setup, pins: bool) -> csg.Shape:
     """The half at z <= 0 with pins (`mould_a`), or its counterpart at z >= 0 with holes."""
-    block = setup.prism(setup.top, setup.length, half=True)
+    block = _block(setup)
     cuts = [cavity(setup), *_grooves(setup), _pry_notch(setup)]
     upright = [_pin(0.0 if pins else setup.casting.mould_fit).turned("y", -90.0).moved(x, y)
                for x, y in _pin_places(setup)]
@@ -39,6 +41,14 @@ def half(setup: Setup, pins: bool) -> csg.Shape:
         cuts += [p.turned("x", 180.0) for p in upright]
         body = csg.Difference(block, tuple(cuts)).turned("x", 180.0)
     return joined(body, _half_label(setup, "a" if pins else "b", -1.0 if pins else 1.0))
+
+
+def _block(setup: Setup) -> csg.Shape:
+    """The half before anything is cut, its ends chamfered to find their way into the caps."""
+    ends = ((setup.top, -LEAD_IN), (setup.top + LEAD_IN, 0.0),
+            (setup.length - LEAD_IN, 0.0), (setup.length, -LEAD_IN))
+    return csg.Loft(tuple(
+        csg.Section(setup.outline(grown, half=True), ALONG_X, (x, 0.0, 0.0)) for x, grown in ends))
 
 
 def cavity(setup: Setup) -> csg.Shape:
@@ -89,15 +99,15 @@ def _pry_notch(setup: Setup) -> csg.Shape:
 
 
 def _half_label(setup: Setup, letter: str, side: float) -> csg.Shape | None:
-    """The actuator's full name where there is room, else its code."""
+    """The actuator's full name along the half where there is room, else its code across it."""
     start, end = _free(setup)
-    room = end - start - 4 * GROOVE[0]
-    size = min(5.0, 0.45 * setup.half_depth)
-    for text in (f"{setup.name.replace('_', ' ')} {letter}", setup.code + letter):
-        if len(text) * size <= room:
-            at = ((start + end) / 2, setup.half_width, side * setup.half_depth / 2)
-            return setup.label(text, size, at)
-    return None
+    along, across = end - start - 4 * GROOVE[0], setup.half_depth - CHAMFER - PRY[2]
+    size = min(5.0, 0.5 * across)
+    at = ((start + end) / 2, setup.half_width, side * (PRY[2] + across / 2))
+    name, code = f"{setup.name.replace('_', ' ')} {letter}", setup.code + letter
+    if len(name) * size <= along:
+        return setup.label(name, size, at)
+    return setup.label(code, min(size, across / len(code), 0.8 * along), at, across=True)
 
 
 def base(setup: Setup) -> csg.Shape:

@@ -12,7 +12,9 @@ from handgen.geometry.casting import MARGIN, Setup
 from handgen.parameters.model import OPPOSITION
 
 LEAST = 0.8
-"""Thinnest wall of plug and collar, mm: two lines of a 0.35 mm nozzle."""
+"""Thinnest wall of collar and plug where they carry one another, mm: two lines of a 0.35 mm nozzle."""
+LEAST_SHANK = 0.4
+"""Thinnest wall of the plug inside the silicone, mm: one line; the glued tube backs it."""
 SHOULDER = 1.0
 """How far the neck reaches over the silicone's end face beyond the plug, mm."""
 FLANGE = 2.0
@@ -24,8 +26,8 @@ LEAD_IN = 0.6
 def plug(setup: Setup) -> csg.Shape:
     """Shank in the channel, neck for the collar, flange, and the tube's hole right through.
 
-    Where the channel is too narrow for the tube (a little finger's), the hole ends on a step in
-    the neck and a narrower one carries the air on.
+    Raises:
+        GeometryError: the plug is too long for the chamber, or the tube too wide for the plug.
     """
     length, squeeze = setup.seal.plug_length, setup.seal.plug_squeeze
     if length > setup.profile.small_core_end - MARGIN:
@@ -36,27 +38,21 @@ def plug(setup: Setup) -> csg.Shape:
     flange = (neck + _outside(setup)) / 2
     path = csg.Path((back, 0.0), ()).line((back, flange), (back + FLANGE, flange), (back + FLANGE, neck))
     path = shank.append_to(path.line((0.0, neck), (0.0, shank(0.0))))
-    tip = shank(length) - LEAD_IN / 2
-    return csg.Difference(csg.Revolve(path.line((length, tip), (length, 0.0))), (_bore(setup, tip),))
+    narrowest = shank(length)
+    if narrowest - _tube(setup) < LEAST_SHANK:
+        raise setup.error("plug", "seal.tube_outer_diameter",
+                          f"its hole of {2 * _tube(setup):.2f} mm leaves a wall of"
+                          f" {narrowest - _tube(setup):.2f} mm in a plug of {2 * narrowest:.2f} mm,"
+                          f" less than {LEAST_SHANK:g} mm")
+    path = path.line((length, narrowest - LEAST_SHANK / 2), (length, 0.0))
+    return csg.Difference(csg.Revolve(path), (_bore(setup),))
 
 
-def _bore(setup: Setup, tip: float) -> csg.Shape:
-    """The tube's hole with its lead-in, and what carries on where it does not fit the shank."""
+def _bore(setup: Setup) -> csg.Shape:
+    """The tube's hole with its lead-in."""
     tube, back, out = _tube(setup), _back(setup), setup.seal.plug_length + MARGIN
-    entry = tube + LEAD_IN + MARGIN
-    path = csg.Path((out, 0.0), ()).line((back - MARGIN, 0.0), (back - MARGIN, entry))
-    path = path.line((back + LEAD_IN, tube))
-    if tip - tube >= LEAST:
-        return csg.Revolve(path.line((out, tube)))
-    air = tip - LEAST
-    if air < LEAST / 2:
-        raise setup.error("plug", f"{setup.path}.base_outer_diameter",
-                          f"a plug of {2 * tip:.2f} mm has no room for an air hole")
-    step = -LEAST - (tube - air)
-    if step < back + 2 * LEAD_IN:
-        raise setup.error("plug", "seal.collar_length",
-                          f"a tube of {2 * tube:.2f} mm ends in the plug's neck, which is too short for it")
-    return csg.Revolve(path.line((step, tube), (-LEAST, air), (out, air)))
+    path = csg.Path((out, 0.0), ()).line((back - MARGIN, 0.0), (back - MARGIN, tube + LEAD_IN + MARGIN))
+    return csg.Revolve(path.line((back + LEAD_IN, tube), (out, tube)))
 
 
 def collar(setup: Setup) -> csg.Shape:
