@@ -33,9 +33,9 @@ def large_core(setup: Setup, rings: bool = False) -> csg.Shape:
     a taper fails in OCCT from about ten turns on.
     """
     cuts = [*_flats(setup), _thread_slot(setup)]
-    if setup.thread.groove:
-        cuts.append(_rings(setup) if rings else _groove(setup))
-    body = csg.Revolve(_meridian(setup, setup.profile.large_core))
+    if setup.thread.groove and not rings:
+        cuts.append(_groove(setup))
+    body = csg.Revolve(_meridian(setup, setup.profile.large_core, rings))
     return joined(csg.Difference(body, tuple(cuts)), _label(setup, "d"))
 
 
@@ -51,7 +51,7 @@ def _knob(setup: Setup) -> float:
     return setup.shank + REACH
 
 
-def _meridian(setup: Setup, flank: Curve) -> csg.Path:
+def _meridian(setup: Setup, flank: Curve, rings: bool = False) -> csg.Path:
     """Knob, shank, cone down to the core's own radius, flank, rounded tip, salience if any."""
     knob, shank, radius = _knob(setup), setup.shank, flank(0.0)
     end = setup.seat - FLANGE - GRIP
@@ -59,6 +59,8 @@ def _meridian(setup: Setup, flank: Curve) -> csg.Path:
     narrow = min(wide + (shank - radius), 0.1 * setup.top)
     path = csg.Path((end, 0.0), ()).line((end, knob - 1.0), (end + 1.0, knob), (setup.seat, knob))
     path = path.line((setup.seat, shank), (wide, shank), (narrow, radius), (0.0, radius))
+    if rings:
+        path, flank = _ringed(setup, path)
     if not setup.salience:
         return along_core(path, flank)
     return _along_to_salience(path, flank, setup)
@@ -127,15 +129,15 @@ def _circle(radius: float) -> csg.Path:
     return csg.Path.polygon(np.c_[across * np.cos(corners), across * np.sin(corners)].tolist())
 
 
-def _rings(setup: Setup) -> csg.Shape:
-    """A comb turned about the axis: a triangular ring of the groove's cross-section per turn."""
-    profile, thread, wide = setup.profile, setup.thread, setup.thread.diameter / 2
-    turns = round((profile.large_core_end - 2 * thread.held_back) / thread.pitch)
+def _ringed(setup: Setup, path: csg.Path) -> tuple[csg.Path, Curve]:
+    """`path` along the large core with a triangular ring of the groove's cross-section per turn;
+    and the flank beyond the last ring."""
+    flank, thread, wide = setup.profile.large_core, setup.thread, setup.thread.diameter / 2
     deep = math.pi * wide / 2  # so that the triangle has the half circle's area
-    above = min(0.3, 0.5 * deep * (thread.pitch / (2 * wide) - 1))
-    reach, outside = wide * (deep + above) / deep, profile.large_core(0.0) + MARGIN
-    x = thread.held_back + thread.pitch * (np.arange(turns) + 0.5)
-    radius = profile.large_core(x)
-    teeth = np.stack([np.c_[x - reach, radius + above], np.c_[x, radius - deep],
-                      np.c_[x + reach, radius + above]], axis=1).reshape(-1, 2).tolist()
-    return csg.Revolve(csg.Path.polygon([(teeth[-1][0], outside), (teeth[0][0], outside), *teeth]))
+    turns = round((flank.end - 2 * thread.held_back) / thread.pitch)
+    at = 0.0
+    for x in (thread.held_back + thread.pitch * (np.arange(turns) + 0.5)).tolist():
+        path = flank.between(at, x - wide).append_to(path)
+        at = x + wide
+        path = path.line((x, flank(x) - deep), (at, flank(at)))
+    return path, flank.between(at, flank.end)
