@@ -10,6 +10,7 @@ import argparse
 import contextlib
 import difflib
 import errno
+import io
 import json
 import os
 import sys
@@ -68,7 +69,7 @@ class Verb:
 
 def _build_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
-    parser.add_argument("--part", dest="parts", metavar="NAME", nargs="+", action="extend", default=[],
+    parser.add_argument("--part", dest="parts", metavar="NAME", nargs="+", action="extend",
                         help="only these parts: names or globs (index*, tooling/*)")
     parser.add_argument("--no-verify", dest="verify", action="store_false",
                         help="write even a design that fails a rule; the manifest says so")
@@ -81,13 +82,17 @@ def _build(arguments: argparse.Namespace, output: Output) -> int:
 
     result = build(arguments.params, out=arguments.out, parts=arguments.parts, verify=arguments.verify,
                    progress=output.note, workers=arguments.workers)
-    errors = [f for f in result["checks"].get("findings", []) if f["severity"] == "error"]
-    lines = [f"  {output.style(f['rule'], '31')} {f['part']}: {f['message']}. {f['fix']}" for f in errors]
-    verdict = output.style("passes", "32") if result["passed"] else output.style("fails", "31")
-    parts = len(result["manifest"].get("parts", []))
-    lines.append(f"{result['name']} {verdict}: {parts} parts in {result['out']}")
-    output.result({**result, "out": str(result["out"])}, "\n".join(lines))
+    output.result(result, _verdict(result, output))
     return PASSED if result["passed"] else FAILED
+
+
+def _verdict(result: dict[str, Any], output: Output) -> str:
+    """What a maker wants to know: what is wrong and how to mend it, and where the files are."""
+    lines = [f"{output.style(f['rule'], '31')} {f['part']}: {f['message']}. Mend: {f['fix']}"
+             for f in result["checks"]["findings"] if f["severity"] == "error"]
+    verdict = output.style("passes", "32") if result["passed"] else output.style("fails", "31")
+    files = f"see {result['out']}" if result["manifest"] else "nothing was written"
+    return "\n".join([*lines, f"{result['name']} {verdict}; {files}"])
 
 
 # schema
@@ -185,7 +190,7 @@ def _nearest(word: str, valid: Sequence[str] | dict) -> str | None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Only `--help` and `--version` end in SystemExit."""
     argv = sys.argv[1:] if argv is None else list(argv)
-    sys.stdout, sys.stderr = (stream or open(os.devnull, "w") for stream in (sys.stdout, sys.stderr))
+    sys.stdout, sys.stderr = (stream or io.StringIO() for stream in (sys.stdout, sys.stderr))
     try:
         code = _run(argv, Output(sys.stdout, sys.stderr, "--json" in argv, "--quiet" in argv))
         sys.stdout.flush()
@@ -265,12 +270,14 @@ def _results_alone() -> Iterator[TextIO]:
     stdout = sys.stdout
     try:
         saved = os.dup(1)
+        own = stdout.fileno() == 1
+    except io.UnsupportedOperation:
+        own = False
     except OSError:
         yield stdout
         return
     stdout.flush()
     os.dup2(2, 1)
-    own = stdout is sys.__stdout__
     results = os.fdopen(os.dup(saved), "w", encoding="utf-8") if own else stdout
     try:
         with contextlib.redirect_stdout(sys.stderr):

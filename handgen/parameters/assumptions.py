@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from handgen.parameters.explain import skeleton
 from handgen.parameters.fault import Fault, Path, nearest, text
 from handgen.parameters.model import Hand
 
@@ -46,6 +47,15 @@ def unmatched(data: dict, patterns: dict[str, str]) -> Iterator[Fault]:
                             suggestion=".".join([*keys[:i], mend, *keys[i + 1:]]) if mend else None)
                 break
             here = below
+
+
+def impossible(data: dict) -> list[Fault]:
+    """Of raw `data` with errors: patterns that could match in no hand at all."""
+    patterns = data.get(SECTION)
+    if not isinstance(patterns, dict):
+        return []
+    absent = {fault.path for fault in unmatched(data, patterns)}
+    return [fault for fault in unmatched(skeleton(Hand), patterns) if fault.path in absent]
 
 
 def resolved(hand: Hand) -> dict:

@@ -14,13 +14,16 @@ MANY = 200
 """Unknown keys that get a suggestion; a file with more is no parameter file."""
 
 
-def faults(model: type[BaseModel], error: ValidationError) -> list[Fault]:
-    """Every error of `error`, raised by validating against `model`, as a Fault."""
+def faults(model: type[BaseModel], error: ValidationError, complete: bool = True) -> list[Fault]:
+    """Every error of `error`, raised by validating against `model`, as a Fault.
+
+    Of data that is not `complete` nothing is known to be missing.
+    """
     found = []
     for i, detail in enumerate(error.errors(include_url=False)):
         path, kind, value = tuple(detail["loc"]), detail["type"], detail["input"]
         if kind == "missing":
-            found.append(_missing(model, path))
+            found.extend([_missing(model, path)] if complete else [])
         elif kind == "extra_forbidden":
             names = keys(field_at(model, path[:-1])[1])
             suggestion = nearest(path[-1], names) if i < MANY else None
@@ -113,6 +116,16 @@ def field_at(model: type[BaseModel], path: Path) -> tuple[FieldInfo | None, typi
                 info = typing.get_args(entry)[1]
             here = _unwrapped(entry)
     return info, here
+
+
+def skeleton(annotation: object, entries: int = 12) -> typing.Any:
+    """Every key that data of this type can have, as nested dictionaries and lists of `entries`."""
+    here = _unwrapped(annotation)
+    if isinstance(here, type) and issubclass(here, BaseModel):
+        return {f.alias or name: skeleton(f.annotation) for name, f in here.model_fields.items()}
+    if typing.get_origin(here) is list:
+        return [skeleton(_entry(here)) for _ in range(entries)]
+    return {} if typing.get_origin(here) is dict else True
 
 
 def _entry(annotation: object) -> object:

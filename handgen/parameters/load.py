@@ -49,7 +49,9 @@ def load(path: str | os.PathLike) -> Loaded:
     data = chain.merged()
     hand = chain.validated(data)
     if hand is not None:
-        chain.report(*_moot(chain, assumptions.unmatched(assumptions.resolved(hand), hand.assumed)))
+        unmatched = assumptions.unmatched(assumptions.resolved(hand), hand.assumed)
+        # A pattern that is inherited may speak of what this file removes.
+        chain.report(*(f for f in unmatched if chain.home(f.path) is chain.documents[0]))
     if chain.problems:
         raise InputError(chain.ordered())
     return Loaded(hand, FilePath(path), _hash(hand), assumptions.collect(hand))
@@ -142,11 +144,10 @@ class _Chain:
         try:
             hand = Hand.model_validate(data)
         except ValidationError as error:
-            faults = explain.faults(Hand, error)
+            faults = explain.faults(Hand, error, self.complete)
+            faults += assumptions.impossible(data)
         if self.complete:
             faults += relations.check(relations.Pieces.salvage(data))
-        else:
-            faults = [f for f in faults if not f.message.startswith("missing")]
         self.report(*faults)
         return hand
 
@@ -179,19 +180,18 @@ class _Chain:
         return [problem for _, problem in sorted(self.problems, key=lambda pair: pair[0])]
 
 
-def _moot(chain: _Chain, faults) -> list[Fault]:
-    """Without patterns that the asked file inherits: what they spoke of may well be removed in it."""
-    return [f for f in faults if chain.home(f.path) is chain.documents[0]]
-
-
 def _reach(data: Any, path: Path) -> tuple[int, bool]:
-    """How many keys of `path` a file states, and whether it has the final word there."""
-    here = data
+    """How many keys of `path` a file states, and whether it has the final word there.
+
+    It has, once a list or a value stands on the way: those replace what a base says.
+    """
+    here, final = data, False
     for depth, key in enumerate(path):
         names = here if isinstance(here, dict) else range(len(here)) if isinstance(here, list) else ()
         if key not in names:
-            return depth, depth > 0 and not isinstance(here, dict)
+            return depth, final
         here = here[key]
+        final = final or not isinstance(here, dict)
     return len(path), True
 
 

@@ -336,7 +336,7 @@ def opposition(pieces: Pieces) -> Iterator[Fault]:
 
 def hand_length(pieces: Pieces) -> Iterator[Fault]:
     middle = pieces.fingers.get("middle")
-    if pieces.palm is None or middle is None:
+    if pieces.palm is None or pieces.palm.length is None or middle is None:
         return
     length = middle.placement.root[0] + middle.outer_length
     if abs(length - pieces.palm.length) > LENGTH_TOLERANCE + ROUNDING:
