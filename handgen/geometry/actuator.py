@@ -194,6 +194,11 @@ def thread_path(hand: Hand, name: str) -> np.ndarray:
     if end - start < thread.pitch:
         raise GeometryError(
             part, f"{key}.held_back", f"{end - start:.2f} mm are left to wind, less than a turn")
+    rounded = profile.large_core_end - core_end(profile.large_core)[0].end
+    if thread.held_back < rounded + thread.diameter:
+        raise GeometryError(
+            part, f"{key}.held_back",
+            f"the last turn would slip off the rounded tip: at least {rounded + thread.diameter:.2f} mm")
     if thread.pitch <= thread.diameter:
         raise GeometryError(part, f"{key}.pitch", "neighbouring turns would lie on one another")
     turns = (end - start) / thread.pitch
