@@ -1,0 +1,108 @@
+"""Facts about a mesh, measured from the very bytes of the STL that will be printed.
+
+Independent of the kernels that made the mesh: only numpy, and scipy to tell bodies apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+HEADER = 80
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+FLAT = 1e-10
+"""Area, mm2, below which a triangle is degenerate: what rounding leaves of a line of 0.01 mm."""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a closed triangle mesh encloses and what is wrong with it; mm, mm2, mm3."""
+
+    volume_mm3: float
+    area_mm2: float
+    bbox_mm: tuple[tuple[float, float, float], tuple[float, float, float]]
+    triangles: int
+    bodies: int
+    unpaired_edges: int
+    degenerate_faces: int
+
+    @property
+    def watertight(self) -> bool:
+        """Closed and consistently wound: every edge is run once in either direction."""
+        return self.unpaired_edges == 0
+
+    def faults(self) -> list[str]:
+        """What keeps the mesh from being printed, in words; empty for a sound mesh."""
+        found = []
+        if self.unpaired_edges:
+            found.append(f"is not watertight: {self.unpaired_edges} edges have no partner")
+        if self.bodies != 1:
+            found.append(f"falls into {self.bodies} bodies")
+        if self.degenerate_faces:
+            found.append(f"has {self.degenerate_faces} triangles without area")
+        if not self.volume_mm3 > 0.0:
+            found.append(f"encloses {self.volume_mm3:.4g} mm3: it is inside out or empty")
+        return found
+
+
+def read_stl(content: bytes) -> np.ndarray:
+    """Corners (n, 3, 3) of a binary STL, float32, mm.
+
+    Raises:
+        ValueError: the bytes are not a whole binary STL.
+    """
+    count = int.from_bytes(content[HEADER:HEADER + 4], "little")
+    if len(content) != HEADER + 4 + count * TRIANGLE.itemsize:
+        raise ValueError(f"{len(content)} bytes are not a binary STL of {count} triangles")
+    return np.frombuffer(content, TRIANGLE, offset=HEADER + 4)["corners"]
+
+
+def measure(corners: np.ndarray) -> Facts:
+    """Facts about the triangles with `corners` (n, 3, 3), mm."""
+    faces, count = _weld(corners)
+    points = corners.astype(float)
+    a, b, c = points.transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    areas = 0.5 * np.sqrt(np.einsum("ij,ij->i", normals, normals))
+    collapsed = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    unpaired, bodies = _connect(faces, count)
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    # About the middle of the box: far from the origin the sum would lose digits.
+    volume = np.einsum("ij,ij->", a - (low + high) / 2, normals) / 6.0
+    return Facts(
+        volume_mm3=float(volume),
+        area_mm2=float(areas.sum()),
+        bbox_mm=(tuple(map(float, low)), tuple(map(float, high))),
+        triangles=len(faces),
+        bodies=bodies,
+        unpaired_edges=unpaired,
+        degenerate_faces=int(np.count_nonzero(collapsed | (areas < FLAT))),
+    )
+
+
+def _weld(corners: np.ndarray) -> tuple[np.ndarray, int]:
+    """(faces (n, 3) of vertex numbers, number of vertices); equal coordinates are one vertex."""
+    code = np.zeros(corners.shape[0] * 3, np.int64)
+    for axis in range(3):
+        values, rank = np.unique(corners[:, :, axis].reshape(-1), return_inverse=True)
+        code = code * len(values) + rank
+        # Renumbered after every axis, so that the product cannot overflow.
+        known, code = np.unique(code, return_inverse=True)
+    return code.reshape(-1, 3), len(known)
+
+
+def _connect(faces: np.ndarray, count: int) -> tuple[int, int]:
+    """(directed edges without exactly one partner, bodies joined by paired edges)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    forward, backward = start * count + end, end * count + start
+    known, first, times = np.unique(forward, return_index=True, return_counts=True)
+    at = np.minimum(np.searchsorted(known, backward), len(known) - 1)
+    paired = (known[at] == backward) & (times[at] == 1) & (times[np.searchsorted(known, forward)] == 1)
+    edges = np.flatnonzero(paired)
+    links = (np.ones(len(edges), bool), (edges // 3, first[at[edges]] // 3))
+    bodies, _ = connected_components(coo_array(links, shape=(len(faces),) * 2), directed=False)
+    return int(len(forward) - len(edges)), int(bodies)
