@@ -118,8 +118,7 @@ def _light(plotter, axes: np.ndarray, tall: float) -> None:
                             (-0.4 * up + 0.9 * towards, 0.2)):
         plotter.add_light(pyvista.Light(position=tuple(1000.0 * place), focal_point=(0, 0, 0),
                                         intensity=strength, positional=False))
-    plotter.enable_ssao(radius=12.0, bias=0.4, kernel_size=64, blur=True)
-    plotter.enable_anti_aliasing("ssaa")
+    plotter.enable_anti_aliasing("msaa", multi_samples=8)
 
 
 def _caption(plotter, text: str, below: tuple[float, float]) -> None:
