@@ -17,9 +17,9 @@ from handgen.errors import EngineError
 Solid = tuple[np.ndarray, np.ndarray, tuple[float, float, float]]
 """Vertices (n, 3) in mm, faces (m, 3), sRGB colour 0..1."""
 
-WIDTH = 1600
+WIDTH = 1200
 """Of every picture, pixels."""
-MARGIN, GAP, LINE = 40, 36, 44
+MARGIN, GAP, LINE = 32, 28, 36
 """Around the sheet, between cells, and the height of a label, pixels."""
 SHARP = 35.0
 """Edges that turn by more than this, deg, stay edges in the shading."""
@@ -118,7 +118,7 @@ def _light(plotter, axes: np.ndarray, tall: float) -> None:
                             (-0.4 * up + 0.9 * towards, 0.2)):
         plotter.add_light(pyvista.Light(position=tuple(1000.0 * place), focal_point=(0, 0, 0),
                                         intensity=strength, positional=False))
-    plotter.enable_anti_aliasing("msaa", multi_samples=8)
+    plotter.enable_anti_aliasing("msaa", multi_samples=4)
 
 
 def _caption(plotter, text: str, below: tuple[float, float]) -> None:
@@ -128,7 +128,7 @@ def _caption(plotter, text: str, below: tuple[float, float]) -> None:
     actor.SetInput(text)
     actor.SetPosition(*below)
     style = actor.GetTextProperty()
-    style.SetFontSize(26)
+    style.SetFontSize(22)
     style.SetFontFamilyToArial()
     style.SetColor(0.15, 0.15, 0.18)
     style.SetJustificationToCentered()
