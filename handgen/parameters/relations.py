@@ -7,7 +7,7 @@ file that could be read, even when others are bad, so that a user sees everythin
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -44,15 +44,15 @@ Piece = TypeVar("Piece", bound=Model)
 class Pieces:
     """What of a hand could be read; None where a piece is absent or bad."""
 
-    fingers: dict[str, Finger | None] = field(default_factory=dict)
-    actuators: dict[str, Actuator | None] = field(default_factory=dict)
+    fingers: dict[str, Finger | None] | None = None
+    actuators: dict[str, Actuator | None] | None = None
     layers: Layers | None = None
     thread: Thread | None = None
     casting: Casting | None = None
     seal: Seal | None = None
     palm: Palm | None = None
     opposition: Opposition | None = None
-    processes: dict[str, PrintProcess | None] = field(default_factory=dict)
+    processes: dict[str, PrintProcess | None] | None = None
     present: frozenset[str] = frozenset()
     """Top-level keys that the file gives, good or bad."""
 
@@ -80,26 +80,28 @@ def _piece(model: type[Piece], raw: Any) -> Piece | None:
         return None
 
 
-def _pieces(model: type[Piece], raw: Any, names: tuple[str, ...]) -> dict[str, Piece | None]:
+def _pieces(model: type[Piece], raw: Any, names: tuple[str, ...]) -> dict[str, Piece | None] | None:
     if not isinstance(raw, dict):
-        return {}
+        return None
     return {name: _piece(model, raw[name]) for name in names if raw.get(name) is not None}
 
 
 def check(pieces: Pieces) -> Iterator[Fault]:
     """All relations on all pieces that could be read."""
-    for name, finger in pieces.fingers.items():
+    fingers, actuators = pieces.fingers or {}, pieces.actuators or {}
+    for name, finger in fingers.items():
         if finger is not None:
             for relation in (lengths, walls, narrowing, joints_inside, joints_apart, joint_names, curl):
                 yield from relation(finger, ("fingers", name))
             yield from stations(finger.taper, ("fingers", name, "taper"))
-    for name, actuator in pieces.actuators.items():
+    for name, actuator in actuators.items():
         if actuator is not None:
-            yield from _actuator(pieces, name, actuator)
-    yield from pairing(pieces)
-    yield from opposition(pieces)
-    yield from hand_length(pieces)
-    for name, process in pieces.processes.items():
+            yield from _actuator(pieces, name, actuator, fingers.get(name))
+    yield from hand_length(pieces.palm, fingers.get("middle"))
+    if pieces.fingers is not None and pieces.actuators is not None:
+        yield from pairing(fingers, actuators)
+        yield from opposed(pieces, fingers, actuators)
+    for name, process in (pieces.processes or {}).items():
         if process is not None:
             yield from roles(process, name)
 
@@ -193,27 +195,30 @@ def curl(finger: Finger, at: Path) -> Iterator[Fault]:
 # An actuator
 
 
-def _actuator(pieces: Pieces, name: str, actuator: Actuator) -> Iterator[Fault]:
+def _actuator(pieces: Pieces, name: str, actuator: Actuator, finger: Finger | None) -> Iterator[Fault]:
     at: Path = ("actuators", name)
     yield from narrowing(actuator, at)
     bad_taper = list(stations(actuator.taper, (*at, "taper"))) if actuator.taper else []
     yield from bad_taper
-    finger = pieces.fingers.get(name)
     if finger is not None and not bad_taper and not list(stations(finger.taper, ())):
         yield from fits_bore(actuator, finger, at)
     layers = actuator.layers or pieces.layers
     thread = actuator.thread or pieces.thread
+    if layers is None:
+        return
     layers_at: Path = (*at, "layers") if actuator.layers else ("layers",)
-    if layers:
-        yield from tip_layer(actuator, layers, layers_at, name)
-    if layers and thread:
-        thread_at: Path = (*at, "thread") if actuator.thread else ("thread",)
+    thread_at: Path = (*at, "thread") if actuator.thread else ("thread",)
+    yield from tip_layer(actuator, layers, layers_at, name)
+    if thread:
         yield from winding(actuator, layers, thread, thread_at, name)
-    if layers and pieces.casting:
-        yield from core(actuator, layers, pieces.casting, layers_at, name)
-    if layers and thread and pieces.casting:
-        yield from thinned(actuator, layers, thread, pieces.casting, name)
-    if layers and pieces.seal:
+    no_core = []
+    if pieces.casting:
+        least = pieces.casting.minimum_core_tip_diameter
+        no_core = list(core_at_base(actuator, layers, least, layers_at, name))
+        yield from no_core
+        if not no_core:
+            yield from core_at_tip(actuator, layers, thread, least, name)
+    if pieces.seal and not no_core:
         yield from plug(actuator, layers, pieces.seal, name)
 
 
@@ -253,34 +258,34 @@ def winding(actuator: Actuator, layers: Layers, thread: Thread, at: Path, name: 
                     thread.held_back, f"at most {(room - thread.pitch) / 2 + thread.held_back:g} mm")
 
 
-def core(actuator: Actuator, layers: Layers, casting: Casting, at: Path, name: str) -> Iterator[Fault]:
-    """The small core must fit under the layers: always at the base, at the tip if nothing may adapt."""
-    least = casting.minimum_core_tip_diameter
-    base = layers.core_room(actuator.base_outer_diameter)
-    if base < least - ROUNDING:
-        most = (actuator.base_outer_diameter - least) / 2
-        yield Fault(at, f"the layers leave a small core of {base:g} mm at the base of {name}", layers.stack,
-                    f"at most {most:g} mm in sum, for a core of {least:g} mm")
-        return
-    tip = layers.core_room(actuator.tip_outer_diameter)
-    if not actuator.adapt and tip < least - ROUNDING:
-        yield Fault(("actuators", name, "tip_outer_diameter"),
-                    f"core tip diameter would be {tip:g} mm ({name}); `adapt: false` forbids thinner layers",
-                    actuator.tip_outer_diameter,
-                    f"at least {least + 2 * layers.stack:g} mm, or `adapt: true`")
-
-
-def thinned(
-    actuator: Actuator, layers: Layers, thread: Thread, casting: Casting, name: str
+def core_at_base(
+    actuator: Actuator, layers: Layers, least: float, at: Path, name: str
 ) -> Iterator[Fault]:
-    """Layers that are thinned at the tip must still pour, and hold the thread."""
-    share = derive.thinning(actuator, layers, casting.minimum_core_tip_diameter)
-    needed = max(THINNEST_LAYER / min(layers.external, layers.internal), thread.diameter / layers.thread)
-    if actuator.adapt and share < 1.0 and share < needed - ROUNDING and needed <= 1.0:
-        least = casting.minimum_core_tip_diameter + 2 * needed * layers.stack
-        yield Fault(("actuators", name, "tip_outer_diameter"),
-                    "leaves too little at the tip for core, thread and layers, however thin",
-                    actuator.tip_outer_diameter, f"at least {least:.4g} mm")
+    core = layers.core_room(actuator.base_outer_diameter)
+    if core < least - ROUNDING:
+        most = (actuator.base_outer_diameter - least) / 2
+        yield Fault(at, f"the layers leave a small core of {core:g} mm at the base of {name}", layers.stack,
+                    f"at most {most:g} mm in sum, for a core of {least:g} mm")
+
+
+def core_at_tip(
+    actuator: Actuator, layers: Layers, thread: Thread | None, least: float, name: str
+) -> Iterator[Fault]:
+    """Where layers may adapt they are thinned at the tip, but still pour and hold the thread."""
+    at: Path = ("actuators", name, "tip_outer_diameter")
+    core = layers.core_room(actuator.tip_outer_diameter)
+    if core >= least - ROUNDING:
+        return
+    if not actuator.adapt:
+        yield Fault(at, f"core tip diameter would be {core:g} mm ({name}); "
+                    "`adapt: false` forbids thinner layers", actuator.tip_outer_diameter,
+                    f"at least {least + 2 * layers.stack:g} mm, or `adapt: true`")
+        return
+    needed = max(THINNEST_LAYER / min(layers.external, layers.internal),
+                 min(thread.diameter / layers.thread, 1.0) if thread else 0.0)
+    if derive.thinning(actuator, layers, least) < needed - ROUNDING:
+        yield Fault(at, "leaves too little at the tip for core, thread and layers, however thin",
+                    actuator.tip_outer_diameter, f"at least {least + 2 * needed * layers.stack:.4g} mm")
 
 
 def plug(actuator: Actuator, layers: Layers, seal: Seal, name: str) -> Iterator[Fault]:
@@ -300,49 +305,47 @@ def plug(actuator: Actuator, layers: Layers, seal: Seal, name: str) -> Iterator[
 # The hand
 
 
-def pairing(pieces: Pieces) -> Iterator[Fault]:
-    for name in pieces.fingers:
-        if name not in pieces.actuators and "actuators" in pieces.present:
+def pairing(fingers: dict, actuators: dict) -> Iterator[Fault]:
+    for name in fingers:
+        if name not in actuators:
             yield Fault(("actuators", name), f"missing: finger {name} has no actuator")
-    for name in pieces.actuators:
-        if name in FINGERS and name not in pieces.fingers and "fingers" in pieces.present:
+    for name in actuators:
+        if name in FINGERS and name not in fingers:
             yield Fault(("fingers", name), f"missing: actuator {name} has no finger")
-    if not pieces.fingers and "fingers" in pieces.present:
+    if not fingers:
         yield Fault(("fingers",), "has no finger", allowed="at least one of " + ", ".join(FINGERS))
 
 
-def opposition(pieces: Pieces) -> Iterator[Fault]:
+def opposed(pieces: Pieces, fingers: dict, actuators: dict) -> Iterator[Fault]:
     """The hinge and its two actuators come together, on a palm with a thumb."""
-    given = [name for name in OPPOSITION if name in pieces.actuators]
     if "opposition" not in pieces.present:
-        for name in given:
-            yield Fault(("actuators", name), "stands without the `opposition` hinge that it moves")
-        return
-    if "actuators" in pieces.present:
         for name in OPPOSITION:
-            if name not in given:
-                yield Fault(("actuators", name), "missing: the `opposition` hinge needs both actuators")
+            if name in actuators:
+                yield Fault(("actuators", name), "stands without the `opposition` hinge that it moves")
+        return
+    for name in OPPOSITION:
+        if name not in actuators:
+            yield Fault(("actuators", name), "missing: the `opposition` hinge needs both actuators")
     if "palm" not in pieces.present:
         yield Fault(("opposition",), "needs a `palm` to stand on")
-    if "thumb" not in pieces.fingers and "fingers" in pieces.present:
+    if "thumb" not in fingers:
         yield Fault(("opposition",), "needs a `thumb` to move")
-    pair = [pieces.actuators.get(name) for name in OPPOSITION]
+    pair = [actuators.get(name) for name in OPPOSITION]
     if pieces.opposition and all(pair):
-        least = sum(a.base_outer_diameter for a in pair if a) / 2 + 2 * pieces.opposition.clearance
+        least = sum(a.base_outer_diameter for a in pair) / 2 + 2 * pieces.opposition.clearance
         if pieces.opposition.spacing < least - ROUNDING:
             yield Fault(("opposition", "spacing"), "the two actuators would overlap",
                         pieces.opposition.spacing, f"at least {least:g} mm")
 
 
-def hand_length(pieces: Pieces) -> Iterator[Fault]:
-    middle = pieces.fingers.get("middle")
-    if pieces.palm is None or pieces.palm.length is None or middle is None:
+def hand_length(palm: Palm | None, middle: Finger | None) -> Iterator[Fault]:
+    if palm is None or palm.length is None or middle is None:
         return
     length = middle.placement.root[0] + middle.outer_length
-    if abs(length - pieces.palm.length) > LENGTH_TOLERANCE + ROUNDING:
+    if abs(length - palm.length) > LENGTH_TOLERANCE + ROUNDING:
         yield Fault(("palm", "length"), "is not where the middle finger ends "
                     f"(root x {middle.placement.root[0]:g} + outer_length {middle.outer_length:g} mm)",
-                    pieces.palm.length, f"{length:g} mm within {LENGTH_TOLERANCE:g}")
+                    palm.length, f"{length:g} mm within {LENGTH_TOLERANCE:g}")
 
 
 def roles(process: PrintProcess, name: str) -> Iterator[Fault]:
