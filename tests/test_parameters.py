@@ -266,13 +266,18 @@ def test_every_number_of_the_schema_has_a_meaning_and_bounds(validator):
 # Cost
 
 
-def test_loading_takes_no_numpy_and_a_quarter_of_a_second():
-    """Best of five, because other tests run beside it."""
-    code = ("import time; start = time.perf_counter()\n"
+def test_loading_is_quick_and_needs_no_numpy():
+    """Of a quarter of a second Python, YAML and pydantic take 0.16 s; what is left is for the hand.
+
+    Processor time, best of five, because other tests run beside it.
+    """
+    code = ("import sys, time, yaml, pydantic.fields\n"
+            "class First(pydantic.BaseModel): x: float\n"
+            "start = time.process_time()\n"
             "from handgen.parameters.load import load\n"
             f"load({str(PARAMS / 'adult.yaml')!r})\n"
-            "import sys; print(time.perf_counter() - start, 'numpy' in sys.modules)")
+            "print(time.process_time() - start, 'numpy' in sys.modules)")
     runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
             for _ in range(5)]
     assert all(run.split()[1] == "False" for run in runs)
-    assert min(float(run.split()[0]) for run in runs) < 0.25
+    assert min(float(run.split()[0]) for run in runs) < 0.09

@@ -147,7 +147,8 @@ class _Chain:
             faults = explain.faults(Hand, error, self.complete)
             faults += assumptions.impossible(data)
         if self.complete:
-            faults += relations.check(relations.Pieces.salvage(data))
+            pieces = relations.Pieces.of(hand) if hand else relations.Pieces.salvage(data)
+            faults += relations.check(pieces)
         self.report(*faults)
         return hand
 

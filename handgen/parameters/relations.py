@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from handgen.parameters import derive
 from handgen.parameters.fault import Fault, Path, nearest
 from handgen.parameters.finger import Actuator, Finger, Joint, Layers, Thread
-from handgen.parameters.model import FINGERS, OPPOSITION
+from handgen.parameters.model import FINGERS, OPPOSITION, Hand
 from handgen.parameters.palm import Opposition, Palm
 from handgen.parameters.process import ROLES, Casting, PrintProcess, Seal
 from handgen.parameters.quantity import Model
@@ -54,7 +54,23 @@ class Pieces:
     opposition: Opposition | None = None
     processes: dict[str, PrintProcess | None] | None = None
     present: frozenset[str] = frozenset()
-    """Top-level keys that the file gives, good or bad."""
+    """Which of palm and opposition the file gives, good or bad."""
+
+    @classmethod
+    def of(cls, hand: Hand) -> Pieces:
+        """All pieces of a hand whose fields are all valid."""
+        return cls(
+            fingers=hand.fingers.present(),
+            actuators=hand.actuators.present(),
+            layers=hand.layers,
+            thread=hand.thread,
+            casting=hand.casting,
+            seal=hand.seal,
+            palm=hand.palm,
+            opposition=hand.opposition,
+            processes={name: getattr(hand.printing, name) for name in ROLES},
+            present=frozenset(name for name in ("palm", "opposition") if getattr(hand, name)),
+        )
 
     @classmethod
     def salvage(cls, data: dict) -> Pieces:
@@ -69,7 +85,7 @@ class Pieces:
             palm=_piece(Palm, data.get("palm")),
             opposition=_piece(Opposition, data.get("opposition")),
             processes=_pieces(PrintProcess, data.get("printing"), tuple(ROLES)),
-            present=frozenset(key for key, value in data.items() if value is not None),
+            present=frozenset(name for name in ("palm", "opposition") if data.get(name) is not None),
         )
 
 
