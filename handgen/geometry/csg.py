@@ -93,8 +93,11 @@ class Shape:
 
 
 def rotation(axis: str, degrees: float) -> tuple[Point3, Point3, Point3]:
-    """Rotation matrix (rows) about coordinate axis "x", "y" or "z", right-hand rule, degrees."""
-    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    """Rotation matrix (rows) about coordinate axis "x", "y" or "z", right-hand rule, degrees.
+
+    Rounded, so that a right angle carries planes exactly into planes: faces that meet stay closed.
+    """
+    c, s = (round(f(math.radians(degrees)), 15) for f in (math.cos, math.sin))
     return {
         "x": ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c)),
         "y": ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)),
