@@ -1,0 +1,1 @@
+"""Constitutive laws, and named parameter sets with their source, unit, convention and limits."""
