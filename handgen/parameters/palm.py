@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from pydantic import Field
-
 from handgen.parameters.finger import Point
 from handgen.parameters.quantity import Model, item, quantity
 
@@ -21,15 +17,27 @@ class Section(Model):
 
 
 class Palm(Model):
-    """The palm's body: an outer skin and the bay inside it."""
+    """The palm's body: a blended skin around the channels that lead from the wrist to the bores."""
 
-    length: float = quantity("mm", 120, 300, "wrist to middle fingertip", source="Section 4.2.1")
+    length: float | None = item(
+        "wrist to middle fingertip, mm, which roots and finger lengths must then add up to; "
+        "left out: whatever they add up to", source="Section 4.2.1", default=None, ge=40, le=400)
     sections: list[Section] = item("from the wrist to the knuckles", min_length=3, max_length=12)
-    wall: float = quantity("mm", 1, 10, "least wall around the bay", default=3.0,
-                           assumed="between the fingers' 2 mm and what prints in one night")
-    blend: float = quantity("mm", 0.5, 25, "radius of the blends between palm, fingers and thumb", default=6.0,
+    exponent: float = quantity("1", 2, 6, "superellipse exponent of the sections: 2 an ellipse, more is squarer",
+                               default=2.6, assumed="between an ellipse and a slab, as a palm is")
+    mouth: float = quantity("mm", 16, 180, "width over which the channels open at the wrist", default=50.0,
+                            assumed="leaves a wall of 5 mm at the sides of an adult's wrist")
+    wall: float = quantity("mm", 1, 10, "least wall around the channels", default=2.5,
+                           assumed="a little more than the fingers' 2 mm, because a palm should not give")
+    channel_clearance: float = quantity(
+        "mm", 0, 3, "how much wider a channel's radius is than the bore that it leads to", default=0.4,
+        assumed="a soft actuator is pushed through by hand")
+    seat_clearance: float = quantity(
+        "mm", 0.02, 0.5, "how much wider a collar's seat behind the root is than the bore, radially", default=0.05,
+        assumed="lets the collar, pressed in, stop square to the bore")
+    blend: float = quantity("mm", 0.5, 25, "radius of the blends between palm, fingers and thumb", default=7.0,
                             assumed="looks like skin; shorter than the distance to the first slot")
-    web: float = quantity("mm", 0, 20, "how far the webs reach past the finger roots", default=7.0,
+    web: float = quantity("mm", 0, 20, "how far the webs reach past the finger roots", default=5.0,
                           assumed="ends before the first slot begins")
     resolution: float = quantity("mm", 0.3, 2, "grid pitch of the blended skin", default=0.8,
                                  assumed="half a millimetre of skin detail after marching cubes")
@@ -38,19 +46,21 @@ class Palm(Model):
 class Opposition(Model):
     """The hinge that turns the thumb: two actuators on a thin palmar sheet (Sections 3.2, 4.2.3).
 
-    The frame of the hinge: origin on the palm-side wall of the gap at the actuators' axis height,
-    `direction` across the fold to the thumb, dorsal up.
+    The frame of the hinge: origin in the palm-side wall of the gap at the height of the actuators'
+    axes, u across the fold to the thumb (`direction`), v along the fold to the wrist, w dorsal.
     """
 
     origin: Point = item("middle of the palm-side wall, at the height of the actuators' axes")
-    direction: float = quantity("deg", 0, 110, "direction across the fold, from x towards y")
+    direction: float = quantity("deg", 20, 110, "direction across the fold, from x towards y")
     free_length: float = quantity("mm", 8, 80, "gap that the actuators bridge; length of the sheet")
     spacing: float = quantity("mm", 6, 80, "distance between the two actuators' axes")
     sheet_width: float = quantity("mm", 10, 120, "width of the palmar sheet along the fold")
     sheet_thickness: float = quantity("mm", 0.6, 20, "thickness of the palmar sheet")
+    sheet_fillet: float = quantity("mm", 0, 6, "radius where the sheet meets the walls of the gap", default=1.5,
+                                   assumed="as at the fingers' joints: a sharp corner starts a tear")
     tip_socket: float = quantity("mm", 2, 30, "depth that holds an actuator's tip", default=6.0,
                                  assumed="half an actuator diameter")
     base_socket: float = quantity("mm", 2, 30, "depth that holds an actuator's base", default=6.0,
                                   assumed="half an actuator diameter")
-    clearance: float = quantity("mm", 0, 2, "radial clearance of the sockets", default=0.25,
+    clearance: float = quantity("mm", 0.02, 2, "radial clearance of the sockets", default=0.25,
                                 assumed="half the clearance of Table A.2, note 2")

@@ -1,0 +1,77 @@
+"""The hand's exoskeleton as one printable solid (Section 4.2.1).
+
+Blended skin first, exact cutters after it, the exact fingers last: so a finger has its own
+diameters wherever the skin does not blend into it, and no cutter can nick a neighbour.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from handgen.errors import GeometryError
+from handgen.geometry import csg, finger
+from handgen.geometry.palm import (
+    MARGIN,
+    PART,
+    channels,
+    core,
+    covers,
+    finger_placement,
+    first_slot,
+    fullness,
+    junctions,
+    row,
+    seat,
+)
+from handgen.geometry.part import Body, Part
+from handgen.geometry.skin import Limb, Skin, fitted_loft
+from handgen.geometry.thumb import Hinge
+from handgen.parameters.model import Hand
+
+
+def hand_part(hand: Hand) -> Part:
+    if hand.palm is None:
+        raise GeometryError(PART, "palm", "a hand needs a palm")
+    hinge = Hinge(hand) if hand.opposition else None
+    solids = core(hand) + fullness(hand) + (hinge.limbs() if hinge else [])
+    skin = csg.Field(Skin(tuple(solids), hand.palm.blend), hand.palm.resolution)
+    shape = _assembled(hand, skin, hinge)
+    plain = Body("hand", _assembled(hand, _unblended(hand, hinge), hinge), finger.COLOUR)
+    return Part(PART, "exoskeleton", hand.printing.hand.material, shape, finger.COLOUR, "palm",
+                bodies=(plain,))
+
+
+def _unblended(hand: Hand, hinge: Hinge | None) -> csg.Shape:
+    """The body for STEP: lofts through the skin's sections, a plain cover on channels and seats."""
+    palm = Limb(tuple(core(hand) + fullness(hand)), hand.palm.blend)
+    front = float(np.mean([getattr(hand.fingers, n).placement.root[0] for n in row(hand)]))
+    solids = [fitted_loft(palm, csg.rotation("x", 0.0), (0.0, 0.0, 0.0), np.linspace(-3.0, front, 6).tolist())]
+    solids += [c.shape for c in covers(hand)]
+    if hinge:
+        solids += hinge.unblended()
+    return csg.Union(tuple(solids))
+
+
+def _assembled(hand, body, hinge):
+    wrist = csg.box((-200.0, -200.0, -200.0), (0.0, 200.0, 200.0))
+    cuts = [wrist, *junctions(hand)]
+    cuts += [h.shape for h in channels(hand)]
+    cuts += [seat(hand, n, hand.seal.collar_length + 2 * MARGIN).shape for n in row(hand)]
+    cuts += [_clearing(hand, n) for n in hand.fingers.present()]
+    if hinge:
+        body = (body - hinge.gap) + hinge.sheet
+        cuts += [h.shape for h in hinge.holes()]
+    body = csg.Difference(body, tuple(cuts))
+    fingers = [
+        finger.shape(f, hand.exoskeleton.joint_fillet).placed(*finger_placement(hand, n))
+        for n, f in hand.fingers.present().items()
+    ]
+    whole = csg.Union((body, *fingers))
+    return whole.mirrored("y") if hand.side == "left" else whole
+
+
+def _clearing(hand, name):
+    f = getattr(hand.fingers, name)
+    start = first_slot(f) - MARGIN
+    around = csg.cylinder(f.base_outer_diameter / 2 + 0.8, start, start + 30.0)
+    return around.placed(*finger_placement(hand, name))

@@ -1,0 +1,208 @@
+"""The palm: where the fingers stand, the channels that lead to their bores, the skin around them.
+
+Every finger's bore carries on behind its root plane as a seat for the actuator's collar and then
+as a straight channel to the wrist's mouth. Towards the wrist the channels run into one another:
+the bay, through which the actuators are pushed in and in which the tubes lie.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from handgen.errors import GeometryError
+from handgen.geometry import csg
+from handgen.geometry.skin import Cone, Ellipsoid, Limb, Slab
+from handgen.parameters.finger import Finger
+from handgen.parameters.model import Hand
+
+PART = "exoskeleton/hand"
+MARGIN = 1.0
+"""How far cutters overshoot, mm."""
+INSET = 0.4
+"""How far the skin stays inside a finger's own surface where nothing blends with it, mm: the
+finger is united with it exactly, and two surfaces that nearly coincide make slivers."""
+STUB = 2.0
+"""How far past the root plane the skin follows a finger, mm; farther, the blend would fill the
+narrow space between two neighbours."""
+KNUCKLE = 0.0
+"""How much fuller than a finger's root its knuckle is before it is blended, mm."""
+
+
+@dataclass(frozen=True)
+class Hole:
+    """A round hole: `radius` mm about the straight axis from `start` to `end`."""
+
+    name: str
+    path: str
+    start: csg.Point3
+    end: csg.Point3
+    radius: float
+
+    @property
+    def shape(self) -> csg.Shape:
+        length = math.dist(self.start, self.end)
+        direction = np.subtract(self.end, self.start) / length
+        return csg.cylinder(self.radius, 0.0, length).placed(facing(direction), self.start)
+
+    def at(self, x: float) -> np.ndarray:
+        """The point of the (endless) axis at hand coordinate x."""
+        a, b = np.array(self.start), np.array(self.end)
+        return a + (b - a) * (x - a[0]) / (b[0] - a[0])
+
+
+def facing(direction: Sequence[float]) -> tuple:
+    """Rotation rows that turn x into `direction` (a unit vector), keeping y level."""
+    x = np.array(direction, float)
+    level = np.array([-x[1], x[0], 0.0])
+    y = level / np.linalg.norm(level) if np.linalg.norm(level) > 1e-9 else np.array([0.0, 1.0, 0.0])
+    return tuple(map(tuple, np.c_[x, y, np.cross(x, y)].tolist()))
+
+
+def finger_placement(hand: Hand, name: str) -> tuple[tuple, csg.Point3]:
+    """(rotation rows, origin) that carry finger `name` from its own frame to a right hand's."""
+    place = getattr(hand.fingers, name).placement
+    turns = (csg.rotation("z", place.splay), csg.rotation("y", place.palmar_tilt),
+             csg.rotation("x", place.roll))
+    rows = np.linalg.multi_dot([np.array(t) for t in turns])
+    return tuple(map(tuple, rows.tolist())), tuple(place.root)
+
+
+def on_axis(hand: Hand, name: str, x: float) -> csg.Point3:
+    """The point of finger `name`'s (straight) axis `x` mm from its root, hand frame."""
+    rows, origin = finger_placement(hand, name)
+    return tuple((np.array(origin) + x * np.array(rows)[:, 0]).tolist())
+
+
+def first_slot(finger: Finger) -> float:
+    """Where the first joint's slot begins, mm from the root: skin must end before."""
+    joint = finger.joints[0]
+    return joint.position - joint.slot_length / 2
+
+
+def row(hand: Hand) -> list[str]:
+    """The fingers whose channels open at the wrist, from the thumb's side on."""
+    names = [n for n in hand.fingers.present() if n != "thumb" or hand.opposition is None]
+    return sorted(names, key=lambda n: -getattr(hand.fingers, n).placement.root[1])
+
+
+def seat(hand: Hand, name: str, depth: float) -> Hole:
+    """The collar's seat: from `depth` behind the root plane through the finger's first phalanx."""
+    finger = getattr(hand.fingers, name)
+    return Hole(f"{name} seat", f"fingers.{name}.placement.root", on_axis(hand, name, -depth),
+                on_axis(hand, name, first_slot(finger) + MARGIN),
+                finger.base_bore_diameter / 2 + hand.palm.seat_clearance)
+
+
+def channels(hand: Hand) -> list[Hole]:
+    """One straight channel a finger of the `row`, from the wrist's mouth to the finger's seat."""
+    palm, names = hand.palm, row(hand)
+    fingers = [getattr(hand.fingers, n) for n in names]
+    radii = [f.base_bore_diameter / 2 + palm.channel_clearance for f in fingers]
+    roots = [f.placement.root[1] for f in fingers]
+    wrist = palm.sections[0]
+    high, low = wrist.y + palm.mouth / 2 - radii[0], wrist.y - palm.mouth / 2 + radii[-1]
+    if high < low:
+        raise GeometryError(PART, "palm.mouth", f"no room for a channel of {2 * max(radii):.1f} mm")
+    result = []
+    for name, radius, y in zip(names, radii, roots, strict=True):
+        share = (y - roots[-1]) / (roots[0] - roots[-1]) if roots[0] > roots[-1] else 0.5
+        end = np.array(on_axis(hand, name, -hand.seal.collar_length))
+        mouth = np.array([wrist.x, low + share * (high - low), wrist.z])
+        step = (end - mouth) / np.linalg.norm(end - mouth)
+        start = mouth - step * 2 * radius
+        result.append(Hole(f"{name} channel", f"fingers.{name}.placement.root",
+                           tuple(start.tolist()), tuple((end + MARGIN / 2 * step).tolist()), radius))
+    return result
+
+
+def junctions(hand: Hand) -> list[csg.Shape]:
+    """What is cleared between neighbouring channels where the wall left is thinner than `wall`.
+
+    Without it two round channels part in an edge as thin as a knife.
+    """
+    shapes = []
+    for a, b in zip(channels(hand), channels(hand)[1:], strict=False):
+        wanted = a.radius + b.radius + hand.palm.wall
+        x0, x1 = -2 * MARGIN, min(a.end[0], b.end[0])
+        gap0, gap1 = (np.linalg.norm(a.at(x) - b.at(x)) for x in (x0, x1))
+        if gap0 >= wanted:
+            continue
+        stop = x0 + (x1 - x0) * min(1.0, (wanted - gap0) / max(gap1 - gap0, 1e-9))
+        shapes.append(csg.Loft((_between(a, b, x0), _between(a, b, stop))))
+    return shapes
+
+
+def _between(a: Hole, b: Hole, x: float) -> csg.Section:
+    """A four-sided section at `x` from well inside channel `a` to well inside channel `b`."""
+    corners = []
+    for hole, other in ((a, b), (b, a)):
+        point, towards = hole.at(x), other.at(x) - hole.at(x)
+        inside = point + towards / np.linalg.norm(towards) * 0.4 * hole.radius
+        corners += [(inside[1], inside[2] + s * 0.88 * hole.radius) for s in (-1, 1)]
+    (a0, a1, b0, b1) = corners
+    path = csg.Path.polygon([a0, b0, b1, a1])
+    return csg.Section(path, ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), (float(x), 0.0, 0.0))
+
+
+def core(hand: Hand) -> list:
+    """The palm's body and a round cover on every channel and seat."""
+    palm = hand.palm
+    slab = Slab(tuple((s.x - (10.0 if i == 0 else 0.0), s.y, s.z, s.width, s.thickness)
+                      for i, s in enumerate(palm.sections)), palm.exponent, 8.0)
+    result: list = [slab]
+    for name, hole in zip(row(hand), channels(hand), strict=True):
+        cover = hole.radius + palm.wall
+        result.append(Limb((Cone(hole.start, hole.end, cover, cover), *finger_stub(hand, name, cover))))
+    return result
+
+
+def fullness(hand: Hand) -> list:
+    """What makes a palm of it: knuckles, webs, the mass below the little finger."""
+    names, last = row(hand), channels(hand)[-1]
+    x, y, z = last.at(0.38 * last.end[0])
+    heading = csg.rotation("z", math.degrees(math.atan2(last.end[1] - y, last.end[0] - x)))
+    return [
+        *(_knuckle(hand, name) for name in names),
+        *(_web(hand, a, b) for a, b in zip(names, names[1:], strict=False)),
+        Ellipsoid(heading, (x, y - 1.0, z - 5.0), (34.0, 12.0, 11.0)),
+    ]
+
+
+def covers(hand: Hand) -> list[Hole]:
+    """Round solids from inside the palm to the finger roots, for the B-rep."""
+    return [
+        Hole(name, "", on_axis(hand, name, -hand.seal.collar_length - MARGIN), on_axis(hand, name, STUB),
+             getattr(hand.fingers, name).base_outer_diameter / 2 - INSET)
+        for name in row(hand)
+    ]
+
+
+def finger_stub(hand: Hand, name: str, cover: float) -> list[Cone]:
+    """The cover of a seat and the finger's first millimetres, just inside its own surface."""
+    finger = getattr(hand.fingers, name)
+    root = finger.base_outer_diameter / 2 - INSET
+    return [
+        Cone(on_axis(hand, name, -hand.seal.collar_length), on_axis(hand, name, 0.0), cover, root),
+        Cone(on_axis(hand, name, 0.0), on_axis(hand, name, STUB), root, root),
+    ]
+
+
+def _knuckle(hand: Hand, name: str) -> Ellipsoid:
+    """Fullness on the back of a root; its blend ends before the first slot."""
+    finger = getattr(hand.fingers, name)
+    rows, _ = finger_placement(hand, name)
+    radius = finger.base_outer_diameter / 2 + KNUCKLE
+    reach = first_slot(finger) - MARGIN - 0.6 * hand.palm.blend
+    x, y, z = on_axis(hand, name, reach - 1.2 * radius)
+    return Ellipsoid(rows, (x, y, z + 1.0), (1.2 * radius, radius, radius))
+
+
+def _web(hand: Hand, a: str, b: str) -> Cone:
+    """Skin between two neighbouring fingers, `web` past their roots."""
+    radius = 5.0
+    ends = [np.add(on_axis(hand, n, hand.palm.web - radius), (0.0, 0.0, -1.5)) for n in (a, b)]
+    return Cone(*(tuple(e.tolist()) for e in ends), radius, radius)
