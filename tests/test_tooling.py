@@ -78,10 +78,10 @@ def mesh_of(body):
     return trimesh.Trimesh(data.vert_properties[:, :3], data.tri_verts)
 
 
-def middle_of(mesh, x, inner=False):
-    """Centre (y, z) of the widest (or narrowest) outline in the section at x."""
+def middle_of(mesh, x):
+    """Centre (y, z) of the widest outline in the section at x."""
     loops = mesh.section(plane_origin=(x, 0, 0), plane_normal=(1, 0, 0)).discrete
-    loop = sorted(loops, key=lambda p: np.hypot(p[:, 1], p[:, 2]).max())[0 if inner else -1]
+    loop = max(loops, key=lambda p: np.hypot(p[:, 1], p[:, 2]).max())
     return (loop[:, 1:].max(axis=0) + loop[:, 1:].min(axis=0)) / 2
 
 
@@ -89,11 +89,6 @@ def middle_of(mesh, x, inner=False):
 def bench(request):
     file, name = request.param
     return Workbench(load(file).hand, name)
-
-
-@pytest.fixture(scope="module")
-def index(adult):
-    return Workbench(adult, "index")
 
 
 def test_eight_parts_printable(bench):

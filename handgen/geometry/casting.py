@@ -16,7 +16,7 @@ from functools import cached_property
 
 from handgen.errors import GeometryError
 from handgen.geometry import csg
-from handgen.geometry.actuator import profile_of, thread_key
+from handgen.geometry.actuator import profile_of
 from handgen.geometry.profile import ActuatorProfile
 from handgen.parameters.finger import Thread
 from handgen.parameters.model import Hand
@@ -178,11 +178,9 @@ class Setup:
         x, y, z = at
         return csg.Text(text, size, height + SUNK).placed(turn, (x, y - SUNK, z))
 
-    def error(self, part: str, key: str, message: str) -> GeometryError:
-        """`key` is relative to the file's root, or starts with "thread." for this one's thread."""
-        if key.startswith("thread."):
-            key = thread_key(self.hand, self.name) + key.removeprefix("thread")
-        return GeometryError(f"tooling/{self.name}/{part}", key, message)
+    def error(self, part: str, path: str, message: str) -> GeometryError:
+        """`part` is the role of the part that cannot be made, `path` the parameter to change."""
+        return GeometryError(f"tooling/{self.name}/{part}", path, message)
 
 
 def joined(body: csg.Shape, *additions: csg.Shape | None) -> csg.Shape:
