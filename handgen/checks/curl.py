@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from handgen.checks.limits import Limits
-from handgen.checks.outline import Outline, section
+from handgen.checks.surface import Outline, Surface
 from handgen.geometry.finger import Axis
 from handgen.geometry.palm import finger_placement
 from handgen.geometry.part import Part
@@ -22,9 +22,6 @@ from handgen.parameters.model import Hand
 
 COARSE = 0.02
 """How far the phalanges' hulls may be simplified, mm."""
-
-
-Triangles = tuple[np.ndarray, np.ndarray]
 
 
 class CurlingFinger:
@@ -37,27 +34,19 @@ class CurlingFinger:
         self.axis = Axis(self.profile, hand.exoskeleton.joint_fillet)
 
     @cached_property
-    def triangles(self) -> Triangles:
-        """All of the part's mesh: vertices (n, 3) mm, faces (m, 3)."""
-        mesh = self.part.mesh
-        return np.array(mesh.vertices), np.array(mesh.faces)
+    def surface(self) -> Surface:
+        return Surface.of(self.part.mesh)
 
-    def around(self, joint: Joint) -> Triangles:
-        """The triangles that touch the sections across a joint's slot, and few others."""
+    def around(self, joint: Joint) -> Surface:
+        """The triangles that the sections across a joint's slot cut, and few others."""
         rotation, origin = self.axis.placement(joint.position)
-        vertices, faces = self.triangles
-        along = ((vertices - origin) @ np.array(rotation)[:, 0])[faces]
-        near = faces[(along.min(1) < joint.slot_length) & (along.max(1) > -joint.slot_length)]
-        used, renumbered = np.unique(near, return_inverse=True)
-        return vertices[used], renumbered.reshape(-1, 3)
+        along = ((self.surface.vertices - origin) @ np.array(rotation)[:, 0])[self.surface.faces]
+        return self.surface.where((along.min(1) < joint.slot_length) & (along.max(1) > -joint.slot_length))
 
-    def section_at(self, x: float, triangles: Triangles | None = None) -> Outline:
-        """The section of `triangles` (all) across the axis at arc length x, (y, z) about the axis."""
-        rotation, origin = self.axis.placement(x)
-        vertices, faces = triangles or self.triangles
-        cut = section((vertices - origin) @ np.array(rotation), faces, 0, 0.0)
-        reach = self.profile.outer_radius(x) + 1.0
-        return cut.where(np.linalg.norm(cut.middle, axis=1) < reach)
+    def section_at(self, x: float, surface: Surface) -> Outline:
+        """The section of `surface` across the axis at arc length x, (y, z) about the axis there."""
+        cut = surface.seen_from(*self.axis.placement(x)).section(0, 0.0)
+        return cut.where(np.linalg.norm(cut.middle, axis=1) < self.profile.outer_radius(x) + 1.0)
 
     @cached_property
     def hinges(self) -> list[np.ndarray]:
@@ -99,7 +88,7 @@ class CurlingFinger:
         """The phalanges' convex hulls (manifold3d), each with its halves of the strips."""
         from manifold3d import Manifold
 
-        points, result = self.triangles[0], []
+        points, result = self.surface.vertices, []
         for joint in self.finger.joints:
             rotation, origin = self.axis.placement(joint.position)
             beyond = (points - origin) @ np.array(rotation)[:, 0] > 0
@@ -110,7 +99,7 @@ class CurlingFinger:
     @cached_property
     def phalanges(self) -> list:
         """The phalanges themselves (manifold3d), cut apart in the middle of the joints."""
-        rest, result = as_solid(self.part.mesh), []
+        rest, result = as_solid(self.surface), []
         for joint in self.finger.joints:
             rotation, origin = self.axis.placement(joint.position)
             normal = np.array(rotation)[:, 0]
@@ -120,12 +109,12 @@ class CurlingFinger:
         return [*result, rest]
 
 
-def as_solid(mesh):
-    """A closed mesh as a manifold3d solid."""
+def as_solid(surface: Surface):
+    """Closed triangles as a manifold3d solid."""
     from manifold3d import Manifold, Mesh
 
-    return Manifold(Mesh(np.array(mesh.vertices, np.float32, order="C"),
-                         np.array(mesh.faces, np.uint32, order="C")))
+    return Manifold(Mesh(np.array(surface.vertices, np.float32, order="C"),
+                         np.array(surface.faces, np.uint32, order="C")))
 
 
 def curling_fingers(hand: Hand, parts: Mapping[str, Part]) -> dict[str, CurlingFinger]:
