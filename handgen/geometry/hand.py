@@ -10,6 +10,7 @@ import numpy as np
 
 from handgen.errors import GeometryError
 from handgen.geometry import csg, finger
+from handgen.geometry.hand_walls import check
 from handgen.geometry.palm import (
     MARGIN,
     PART,
@@ -34,8 +35,9 @@ def hand_part(hand: Hand) -> Part:
         raise GeometryError(PART, "palm", "a hand needs a palm")
     hinge = Hinge(hand) if hand.opposition else None
     solids = core(hand) + fullness(hand) + (hinge.limbs() if hinge else [])
-    skin = csg.Field(Skin(tuple(solids), hand.palm.blend), hand.palm.resolution)
-    shape = _assembled(hand, skin, hinge)
+    skin = Skin(tuple(solids), hand.palm.blend)
+    check(hand, skin, hinge)
+    shape = _assembled(hand, csg.Field(skin, hand.palm.resolution), hinge)
     plain = Body("hand", _assembled(hand, _unblended(hand, hinge), hinge), finger.COLOUR)
     return Part(PART, "exoskeleton", hand.printing.hand.material, shape, finger.COLOUR, "palm",
                 bodies=(plain,))
@@ -44,8 +46,10 @@ def hand_part(hand: Hand) -> Part:
 def _unblended(hand: Hand, hinge: Hinge | None) -> csg.Shape:
     """The body for STEP: lofts through the skin's sections, a plain cover on channels and seats."""
     palm = Limb(tuple(core(hand) + fullness(hand)), hand.palm.blend)
+    # As far as the roots stand on average.
     front = float(np.mean([getattr(hand.fingers, n).placement.root[0] for n in row(hand)]))
-    solids = [fitted_loft(palm, csg.rotation("x", 0.0), (0.0, 0.0, 0.0), np.linspace(-3.0, front, 6).tolist())]
+    stations = np.linspace(-3.0, front, 6).tolist()
+    solids = [fitted_loft(palm, csg.rotation("x", 0.0), (0.0, 0.0, 0.0), stations)]
     solids += [c.shape for c in covers(hand)]
     if hinge:
         solids += hinge.unblended()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -43,10 +44,24 @@ class Hole:
     radius: float
 
     @property
+    def length(self) -> float:
+        return math.dist(self.start, self.end)
+
+    @property
     def shape(self) -> csg.Shape:
-        length = math.dist(self.start, self.end)
-        direction = np.subtract(self.end, self.start) / length
-        return csg.cylinder(self.radius, 0.0, length).placed(facing(direction), self.start)
+        direction = np.subtract(self.end, self.start) / self.length
+        return csg.cylinder(self.radius, 0.0, self.length).placed(facing(direction), self.start)
+
+    @property
+    def heading(self) -> float:
+        """Angle of the axis to x in the palm's plane, degrees."""
+        return math.degrees(math.atan2(self.end[1] - self.start[1], self.end[0] - self.start[0]))
+
+    def nearest(self, point: Sequence[float]) -> csg.Point3:
+        """The point of the axis, between its ends, that is nearest to `point`."""
+        a, axis = np.array(self.start), np.subtract(self.end, self.start)
+        share = min(max(float(np.subtract(point, a) @ axis / (axis @ axis)), 0.0), 1.0)
+        return tuple((a + share * axis).tolist())
 
     def at(self, x: float) -> np.ndarray:
         """The point of the (endless) axis at hand coordinate x."""
@@ -125,7 +140,7 @@ def junctions(hand: Hand) -> list[csg.Shape]:
     Without it two round channels part in an edge as thin as a knife.
     """
     shapes = []
-    for a, b in zip(channels(hand), channels(hand)[1:], strict=False):
+    for a, b in pairwise(channels(hand)):
         wanted = a.radius + b.radius + hand.palm.wall
         x0, x1 = -2 * MARGIN, min(a.end[0], b.end[0])
         gap0, gap1 = (np.linalg.norm(a.at(x) - b.at(x)) for x in (x0, x1))
@@ -164,11 +179,10 @@ def fullness(hand: Hand) -> list:
     """What makes a palm of it: knuckles, webs, the mass below the little finger."""
     names, last = row(hand), channels(hand)[-1]
     x, y, z = last.at(0.38 * last.end[0])
-    heading = csg.rotation("z", math.degrees(math.atan2(last.end[1] - y, last.end[0] - x)))
     return [
         *(_knuckle(hand, name) for name in names),
-        *(_web(hand, a, b) for a, b in zip(names, names[1:], strict=False)),
-        Ellipsoid(heading, (x, y - 1.0, z - 5.0), (34.0, 12.0, 11.0)),
+        *(_web(hand, a, b) for a, b in pairwise(names)),
+        Ellipsoid(csg.rotation("z", last.heading), (x, y - 1.0, z - 5.0), (34.0, 12.0, 11.0)),
     ]
 
 

@@ -23,7 +23,7 @@ class Palm(Model):
         "wrist to middle fingertip, mm, which roots and finger lengths must then add up to; "
         "left out: whatever they add up to", source="Section 4.2.1", default=None, ge=40, le=400)
     sections: list[Section] = item("from the wrist to the knuckles", min_length=3, max_length=12)
-    exponent: float = quantity("1", 2, 6, "superellipse exponent of the sections: 2 an ellipse, more is squarer",
+    exponent: float = quantity("1", 2, 6, "of the superelliptic sections: 2 an ellipse, more is squarer",
                                default=2.6, assumed="between an ellipse and a slab, as a palm is")
     mouth: float = quantity("mm", 16, 180, "width over which the channels open at the wrist", default=50.0,
                             assumed="leaves a wall of 5 mm at the sides of an adult's wrist")
@@ -33,9 +33,9 @@ class Palm(Model):
         "mm", 0, 3, "how much wider a channel's radius is than the bore that it leads to", default=0.4,
         assumed="a soft actuator is pushed through by hand")
     seat_clearance: float = quantity(
-        "mm", 0.02, 0.5, "how much wider a collar's seat behind the root is than the bore, radially", default=0.05,
+        "mm", 0.02, 0.5, "radial clearance of the seat behind the root against the bore", default=0.05,
         assumed="lets the collar, pressed in, stop square to the bore")
-    blend: float = quantity("mm", 0.5, 25, "radius of the blends between palm, fingers and thumb", default=7.0,
+    blend: float = quantity("mm", 0.5, 25, "radius of the blends between palm, fingers, thumb", default=7.0,
                             assumed="looks like skin; shorter than the distance to the first slot")
     web: float = quantity("mm", 0, 20, "how far the webs reach past the finger roots", default=5.0,
                           assumed="ends before the first slot begins")
@@ -56,7 +56,7 @@ class Opposition(Model):
     spacing: float = quantity("mm", 6, 80, "distance between the two actuators' axes")
     sheet_width: float = quantity("mm", 10, 120, "width of the palmar sheet along the fold")
     sheet_thickness: float = quantity("mm", 0.6, 20, "thickness of the palmar sheet")
-    sheet_fillet: float = quantity("mm", 0, 6, "radius where the sheet meets the walls of the gap", default=1.5,
+    sheet_fillet: float = quantity("mm", 0, 6, "radius where the sheet meets the gap's walls", default=1.5,
                                    assumed="as at the fingers' joints: a sharp corner starts a tear")
     tip_socket: float = quantity("mm", 2, 30, "depth that holds an actuator's tip", default=6.0,
                                  assumed="half an actuator diameter")
