@@ -104,7 +104,6 @@ def cut_open(stage: Path, view: View) -> Drawn:
 
 def _draw(stage: Path, view: View, cells: list[preview.Cell]) -> Drawn:
     path = stage / view.file
-    path.parent.mkdir(parents=True, exist_ok=True)
     try:
         preview.draw(path, cells, view.camera, view.columns)
     except EngineError as error:

@@ -56,7 +56,10 @@ def draw(path: Path, cells: Sequence[Cell], camera: Camera, columns: int) -> Non
         EngineError: this machine cannot draw off screen.
     """
     import pyvista
+    from vtkmodules.vtkCommonCore import vtkLogger
 
+    # VTK reports every display that it does not find; what matters is checked here.
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     axes = camera.axes()
     scale, height, places = _layout([_extent(cell, axes) for cell in cells], columns)
     plotter = pyvista.Plotter(off_screen=True, window_size=(WIDTH, height), lighting="none")
@@ -73,6 +76,7 @@ def draw(path: Path, cells: Sequence[Cell], camera: Camera, columns: int) -> Non
         if cell.label:
             _caption(plotter, cell.label, below)
     _light(plotter, axes, height / scale)
+    path.parent.mkdir(parents=True, exist_ok=True)
     plotter.screenshot(str(path))
     plotter.close()
 

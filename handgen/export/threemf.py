@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import zipfile
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
@@ -54,7 +54,7 @@ def to_bytes(mesh: trimesh.Trimesh, name: str, material: str, colour: tuple[floa
     points = np.asarray(mesh.vertices, np.float32)
     # Nine digits bring back every float32 exactly.
     model = MODEL.format(
-        title=name,
+        title=escape(name),
         name=quoteattr(name),
         material=quoteattr(material),
         colour="#" + "".join(f"{round(255 * c):02X}" for c in colour),
