@@ -13,6 +13,7 @@ import numpy as np
 
 from handgen.geometry import csg
 from handgen.geometry.lettering import outlines
+from handgen.geometry.measure import FLAT
 
 if TYPE_CHECKING:
     import trimesh
@@ -74,8 +75,8 @@ def evaluate(shape: csg.Shape) -> Manifold:
 def printable(solid: Manifold) -> trimesh.Trimesh:
     """The triangles of `solid` at the precision of a binary STL (float32), without degenerates.
 
-    Rounding to float32 can flatten a sliver, so the rounded mesh goes through manifold3d once
-    more, which collapses what has become degenerate.
+    Rounding to float32 can flatten a sliver, so the rounded mesh is simplified once more; that
+    only takes corners away, it moves none.
 
     Raises:
         ValueError: nothing is left, or the solid falls into several bodies.
@@ -86,7 +87,8 @@ def printable(solid: Manifold) -> trimesh.Trimesh:
     for tolerance in (SLIVER, 4 * SLIVER, 16 * SLIVER):
         mesh = solid.simplify(tolerance).to_mesh()
         vertices = np.array(mesh.vert_properties[:, :3], np.float32, order="C")
-        rounded = Manifold(Mesh(vertices, np.array(mesh.tri_verts, np.uint32, order="C")))
+        faces = np.array(mesh.tri_verts, np.uint32, order="C")
+        rounded = Manifold(Mesh(vertices, faces)).simplify(tolerance)
         if rounded.is_empty():
             raise ValueError("the solid is empty")
         bodies = rounded.decompose()
@@ -99,9 +101,10 @@ def printable(solid: Manifold) -> trimesh.Trimesh:
         result = trimesh.Trimesh(
             final.vert_properties[:, :3].astype(float), final.tri_verts.astype(int), process=False)
         merged = trimesh.Trimesh(result.vertices, result.faces, process=True)
-        if merged.is_watertight and len(merged.vertices) == len(result.vertices):
+        welded = len(merged.vertices) < len(result.vertices)
+        if merged.is_watertight and not welded and result.area_faces.min() > FLAT:
             return result
-    raise ValueError("the mesh has coincident vertices that rounding to STL would weld")
+    raise ValueError("rounded to the precision of an STL the mesh keeps slivers")
 
 
 def sample(path: csg.Path, chord: float = CHORD) -> np.ndarray:
