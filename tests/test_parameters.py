@@ -117,10 +117,14 @@ def test_scalars_follow_yaml_1_2(tmp_path):
 # Hash
 
 
+def backwards(node):
+    """The same data with the keys of every mapping in the opposite order."""
+    return {k: backwards(v) for k, v in reversed(node.items())} if isinstance(node, dict) else node
+
+
 def test_the_same_parameters_have_the_same_hash_in_any_layout(tmp_path):
     whole = load(PARAMS / "adult.yaml").sha256
-    shuffled = {key: ADULT[key] for key in sorted(ADULT)}
-    (tmp_path / "flow.yaml").write_text(json.dumps(shuffled), encoding="utf-8")
+    (tmp_path / "flow.yaml").write_text(json.dumps(backwards(ADULT)), encoding="utf-8")
     assert load(tmp_path / "flow.yaml").sha256 == whole
     assert load(variant(tmp_path, "")).sha256 == whole
     assert load(variant(tmp_path, "layers: {tip: 4.0}\nseal: {glue_gap: 0.1}\n")).sha256 == whole
