@@ -70,7 +70,7 @@ class Hinge:
 
     def _wall_of(self, channel: Hole) -> float:
         """How far from a channel's axis the gap ends, mm."""
-        return channel.radius + self.hand.palm.wall + 2 * MARGIN
+        return channel.radius + self.hand.palm.wall + MARGIN / 2
 
     def corner_room(self) -> float:
         """Distance, mm, of the sheet from the wall of the nearest channel, in the palm's plane."""
