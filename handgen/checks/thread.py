@@ -1,0 +1,205 @@
+"""Rules on the thread: does it fit its layer, and are its turns neither too far apart nor too near."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from handgen.checks.limits import Limit, Limits
+from handgen.checks.rule import Finding, Outcome, judged
+from handgen.geometry.actuator import profile_of, thread_key, thread_length, thread_turns
+from handgen.geometry.profile import ActuatorProfile
+from handgen.mechanics import bulge
+from handgen.mechanics.silicone import shear_modulus
+from handgen.parameters.finger import Thread
+from handgen.parameters.model import FINGERS, Hand
+
+ROUNDING = 1e-6
+KPA = 1e-3
+"""MPa in a kPa."""
+STATIONS = 33
+"""Places along a winding at which its layers are read; the taper is smooth."""
+
+
+@dataclass(frozen=True)
+class Winding:
+    """One actuator's thread on the large core, from its first turn to its last."""
+
+    name: str
+    thread: Thread
+    profile: ActuatorProfile
+
+    @property
+    def gap(self) -> float:
+        """Free distance of neighbouring turns along the axis, mm; below 0 they lie on one another."""
+        return self.thread.pitch - self.thread.diameter
+
+    @property
+    def stations(self) -> np.ndarray:
+        held = self.thread.held_back
+        return np.linspace(held, max(held, self.profile.large_core_end - held), STATIONS)
+
+    @property
+    def sunk(self) -> float:
+        """How much of the thread's diameter lies inside the core's own surface, mm."""
+        return self.thread.diameter / 2 if self.thread.groove else 0.0
+
+    def spot(self, x: float) -> tuple[float, float, float]:
+        """The dorsal point of the core's surface at `x`, actuator's frame, mm."""
+        return float(x), 0.0, float(self.profile.large_core(x))
+
+
+def layer(hand: Hand, limits: Limits) -> Outcome:
+    """The thread must fit between the large core and the external layer.
+
+    Measured is the room left beside it, radially, where that is least. A thread thinner than its
+    layer lies on the core, not in the middle of the room drawn for it: the pressure then pushes on
+    the smaller circle, and the silicone outside it is thicker by the slack. That is said, and
+    judged only beyond `most_slack`.
+
+    Raises:
+        GeometryError: an actuator without wall or chamber.
+    """
+    rule, most = "thread.layer", limits.get("thread.layer", "most_slack")
+    findings, slacks = [], []
+    for w in _windings(hand):
+        x = w.stations
+        slack = w.profile.thread(x) - w.profile.large_core(x) - (w.thread.diameter - w.sunk)
+        least = int(np.argmin(slack))
+        slacks.append(float(slack[least]))
+        if slacks[-1] < -ROUNDING:
+            findings.append(_too_thick(w, float(x[least]), slacks[-1], hand))
+        elif (widest := float(slack.max())) > ROUNDING:
+            findings.append(_loose(w, widest, float(x[int(np.argmax(slack))]), most))
+    return judged(rule, min(slacks), 0.0, "room left beside the thread where it is tightest", findings)
+
+
+def _too_thick(w: Winding, x: float, slack: float, hand: Hand) -> Finding:
+    room = slack + w.thread.diameter - w.sunk
+    return Finding(
+        "thread.layer", "error", f"actuators/{w.name}", slack, 0.0, "mm",
+        f"a thread of {w.thread.diameter:g} mm stands {-slack:.2f} mm out of the {room:.2f} mm drawn for it",
+        f"use a thread of {math.floor(100 * room + 1e-9) / 100:g} mm, or make layers.thread "
+        f"{-slack:.2f} mm thicker at x = {x:.0f} mm", f"{thread_key(hand, w.name)}; Table A.2, note 3",
+        w.spot(x))
+
+
+def _loose(w: Winding, slack: float, x: float, most: Limit) -> Finding:
+    drawn = slack + w.thread.diameter - w.sunk
+    core = float(w.profile.large_core(x))
+    lies, middle = core + w.thread.diameter / 2 - w.sunk, core + drawn / 2
+    too_much = slack > most.value + ROUNDING
+    return Finding(
+        "thread.layer", "warning" if too_much else "info", f"actuators/{w.name}", slack, most.value, "mm",
+        f"a thread of {w.thread.diameter:g} mm in {drawn:.2f} mm lies on the core at radius {lies:.2f} mm,"
+        f" not mid-layer: the pressure pushes on {100 * (1 - (lies / middle) ** 2):.0f} % less area",
+        f"draw layers.thread {w.thread.diameter:g} mm thick", most.source, w.spot(x))
+
+
+def gap(hand: Hand, limits: Limits) -> Outcome:
+    """The turns must hold the wall between them, let silicone in, and stay where they are wound.
+
+    Too wide a gap lets the inner layer balloon at working pressure (`handgen.mechanics.bulge`); it is an
+    error where the actuator is free, at the joints and between its sockets, and only said where a
+    closed bore holds it. Too narrow a gap keeps silicone out and bubbles in. A turn slides down a
+    taper steeper than its friction. Turns and length are in the reason.
+
+    Raises:
+        GeometryError: an actuator without wall or chamber, or no length to wind on.
+    """
+    rule = "thread.gap"
+    findings, tightest = [], (-math.inf, 0.0, 0.0)
+    for w in _windings(hand):
+        tightest = max(tightest, *_ballooning(hand, w, limits, findings))
+        _narrow(hand, w, limits, findings)
+        _sliding(w, limits, findings)
+    # What is broken comes first; else the place that is nearest to ballooning.
+    broken = next((f for f in findings if f.severity == "error" and f.unit == "mm"), None)
+    measured, limit = (broken.measured, broken.limit) if broken else tightest[1:]
+    return judged(rule, measured, limit, _counted(hand), findings)
+
+
+def _ballooning(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]
+                ) -> Iterator[tuple[float, float, float]]:
+    """(gap over limit, gap, limit), mm, where the wall is free; adds what balloons to `findings`."""
+    silicone = hand.casting.silicone
+    pressure = limits.get("thread.gap", "working_pressure", silicone.name)
+    mu = shear_modulus(silicone.modulus_100)
+    x = w.stations
+    wall = w.profile.large_core(x) - w.profile.small_core(x)
+    rows = [(bulge.widest_gap(pressure.value * KPA, t, r, mu), at, t, r)
+            for at, t, r in zip(x, wall, w.profile.large_core(x), strict=True)]
+    free = _free(hand, w.name, x)
+    for chosen, severity in ((free, "error"), (~free, "info")):
+        places = [row for row, taken in zip(rows, chosen, strict=True) if taken]
+        if not places:
+            continue
+        limit, at, t, r = min(places)
+        if severity == "error":
+            yield w.gap / limit, w.gap, limit
+        if w.gap > limit + ROUNDING:
+            findings.append(_balloons(w, severity, limit, (at, t, r), pressure, mu))
+
+
+def _balloons(w: Winding, severity: str, limit: float, place: tuple, pressure: Limit, mu: float) -> Finding:
+    x, wall, radius = place
+    angle = bulge.half_angle(pressure.value * KPA, w.gap, wall, radius, mu)
+    how = (f"bulges {bulge.height(angle, w.gap):.2f} mm, stretched {bulge.stretch(angle):.1f} times"
+           if math.isfinite(angle) else "balloons without end")
+    held = " unless the closed bore holds it" if severity == "info" else ""
+    return Finding(
+        "thread.gap", severity, f"actuators/{w.name}", w.gap, limit, "mm",
+        f"at {pressure.value:g} kPa the {wall:.2f} mm inner layer {how}"
+        f" between turns {w.gap:.2f} mm apart{held}",
+        f"wind at a pitch of {math.floor(100 * (limit + w.thread.diameter)) / 100:g} mm or less,"
+        " or thicken layers.internal",
+        f"half circle between two rings (handgen.mechanics.bulge); {pressure.source}", w.spot(x))
+
+
+def _free(hand: Hand, name: str, x: np.ndarray) -> np.ndarray:
+    """Where actuator `name` has no closed bore around it."""
+    finger = getattr(hand.fingers, name) if name in FINGERS else None
+    if finger is None:
+        return np.ones(len(x), bool)
+    return np.any([abs(x - j.position) <= j.slot_length / 2 for j in finger.joints], axis=0)
+
+
+def _narrow(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]) -> None:
+    least = limits.get("thread.gap", "least_gap", hand.casting.silicone.name)
+    if w.gap < least.value - ROUNDING:
+        what = "lie on one another" if w.gap <= 0 else f"are {w.gap:.2f} mm apart: silicone fills that badly"
+        findings.append(Finding(
+            "thread.gap", "error", f"actuators/{w.name}", w.gap, least.value, "mm",
+            f"neighbouring turns {what}",
+            f"wind at a pitch of {least.value + w.thread.diameter:g} mm or more", least.source,
+            w.spot(w.stations[STATIONS // 2])))
+
+
+def _sliding(w: Winding, limits: Limits, findings: list[Finding]) -> None:
+    friction = limits.get("thread.gap", "friction")
+    slopes = [abs(w.profile.large_core.slope(float(x))) for x in w.stations]
+    steepest = int(np.argmax(slopes))
+    if not w.thread.groove and slopes[steepest] > friction.value + ROUNDING:
+        findings.append(Finding(
+            "thread.gap", "error", f"actuators/{w.name}", slopes[steepest], friction.value, "1",
+            f"turns slide towards the tip: the core falls {slopes[steepest]:.2f} mm a millimetre",
+            "cut the thread's groove into the core (thread.groove) or taper the actuator less",
+            friction.source, w.spot(w.stations[steepest])))
+
+
+def _counted(hand: Hand) -> str:
+    counted = []
+    for w in _windings(hand):
+        if w.gap <= 0:
+            counted.append(f"{w.name}: none")
+            continue
+        turns, length = thread_turns(hand, w.name), thread_length(hand, w.name)
+        counted.append(f"{w.name} {turns:.1f} turns, {length / 1000:.2f} m")
+    return "; ".join(counted)
+
+
+def _windings(hand: Hand) -> list[Winding]:
+    return [Winding(n, hand.thread_of(n), profile_of(hand, n)) for n in hand.actuators.present()]
