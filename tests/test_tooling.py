@@ -314,7 +314,7 @@ def test_groove_follows_the_thread(adult):
 @pytest.mark.parametrize(("change", "part", "path"), [
     ({"seal__plug_length": 95.0}, "plug", "seal.plug_length"),
     ({"seal__tube_outer_diameter": 9.0}, "plug", "seal.tube_outer_diameter"),
-    ({"layers__external": 0.3, "layers__internal": 0.3}, "collar", "layers"),
+    ({"layers__external": 0.3, "layers__thread": 0.1, "layers__internal": 0.3}, "collar", "layers"),
     ({"fingers__index__base_bore_diameter": 8.0}, "collar", "layers"),
 ])
 def test_what_cannot_be_tooled_names_its_parameter(adult, change, part, path):

@@ -9,17 +9,18 @@ from __future__ import annotations
 from handgen.geometry import csg
 from handgen.geometry.actuator import layers_path
 from handgen.geometry.casting import MARGIN, Setup
+from handgen.geometry.profile import Curve
 from handgen.parameters.model import OPPOSITION
 
-LEAST = 0.8
-"""Thinnest wall of collar and plug where they carry one another, mm: two lines of a 0.35 mm nozzle."""
-LEAST_SHANK = 0.4
-"""Thinnest wall of the plug inside the silicone, mm: one line; the glued tube backs it."""
+LEAST = 0.4
+"""Thinnest wall of plug and collar, mm: one line of a 0.35 mm nozzle; glued, they back one another."""
+LEAST_AIR = 0.3
+"""Radius of the finest air hole, mm."""
 SHOULDER = 1.0
 """How far the neck reaches over the silicone's end face beyond the plug, mm."""
 FLANGE = 2.0
 """Thickness of the flange behind the collar, mm."""
-LEAD_IN = 0.6
+LEAD_IN = 0.4
 """Chamfer of the tube's hole and of the plug's tip, mm."""
 
 
@@ -27,7 +28,7 @@ def plug(setup: Setup) -> csg.Shape:
     """Shank in the channel, neck for the collar, flange, and the tube's hole right through.
 
     Raises:
-        GeometryError: the plug is too long for the chamber, or the tube too wide for the plug.
+        GeometryError: the plug is too long for the chamber, or the tube too wide for it.
     """
     length, squeeze = setup.seal.plug_length, setup.seal.plug_squeeze
     if length > setup.profile.small_core_end - MARGIN:
@@ -38,30 +39,33 @@ def plug(setup: Setup) -> csg.Shape:
     flange = (neck + _outside(setup)) / 2
     path = csg.Path((back, 0.0), ()).line((back, flange), (back + FLANGE, flange), (back + FLANGE, neck))
     path = shank.append_to(path.line((0.0, neck), (0.0, shank(0.0))))
-    narrowest = shank(length)
-    if narrowest - _tube(setup) < LEAST_SHANK:
-        raise setup.error("plug", "seal.tube_outer_diameter",
-                          f"its hole of {2 * _tube(setup):.2f} mm leaves a wall of"
-                          f" {narrowest - _tube(setup):.2f} mm in a plug of {2 * narrowest:.2f} mm,"
-                          f" less than {LEAST_SHANK:g} mm")
-    path = path.line((length, narrowest - LEAST_SHANK / 2), (length, 0.0))
-    return csg.Difference(csg.Revolve(path), (_bore(setup),))
+    path = path.line((length, shank.pieces[-1].y1 - LEAST / 2), (length, 0.0))
+    return csg.Difference(csg.Revolve(path), (_bore(setup, shank),))
 
 
-def _bore(setup: Setup) -> csg.Shape:
-    """The tube's hole with its lead-in."""
+def _bore(setup: Setup, shank: Curve) -> csg.Shape:
+    """The tube's hole with its lead-in; where the shank narrows too much, a finer one carries on."""
     tube, back, out = _tube(setup), _back(setup), setup.seal.plug_length + MARGIN
     path = csg.Path((out, 0.0), ()).line((back - MARGIN, 0.0), (back - MARGIN, tube + LEAD_IN + MARGIN))
-    return csg.Revolve(path.line((back + LEAD_IN, tube), (out, tube)))
+    path = path.line((back + LEAD_IN, tube))
+    end = shank.crossing(tube + LEAST)
+    if end is None:
+        return csg.Revolve(path.line((out, tube)))
+    air = shank.pieces[-1].y1 - LEAST
+    if end <= 0.0 or air < LEAST_AIR:
+        raise setup.error("plug", "seal.tube_outer_diameter",
+                          f"its hole of {2 * tube:.2f} mm does not fit a plug that narrows from"
+                          f" {2 * shank(0.0):.2f} to {2 * (air + LEAST):.2f} mm")
+    return csg.Revolve(path.line((max(end - (tube - air), end / 2), tube), (end, air), (out, air)))
 
 
 def collar(setup: Setup) -> csg.Shape:
     """The ring on the plug's neck, from the silicone's end face backwards."""
     outside, inside = _outside(setup), _neck(setup) + setup.seal.glue_gap
-    length = setup.seal.collar_length
+    length, chamfer = setup.seal.collar_length, min(LEAD_IN, (outside - inside) / 2)
     ring = csg.Revolve(csg.Path.polygon([
         (-length, 0.0), (0.0, 0.0), (0.0, outside),
-        (LEAD_IN - length, outside), (-length, outside - LEAD_IN)]))
+        (chamfer - length, outside), (-length, outside - chamfer)]))
     return csg.Difference(ring, (csg.cylinder(inside, -length - MARGIN, MARGIN),))
 
 
