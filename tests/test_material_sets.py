@@ -87,7 +87,9 @@ def test_data_ranges_and_densities():
     assert {s.strain for s in sets.values() if s.source == "yap2016"} == {(0, 5)}
     assert library.density(sets["ecoflex-00-50-neo-hookean"]) == pytest.approx(1.07e-9)
     assert library.density(sets["ninjaflex-mooney-rivlin-1"]) == pytest.approx(1.19e-9)
-    assert library.density(sets["ninjaflex-mooney-rivlin-3"]) == pytest.approx(1e-9 * 92 / 111.209, rel=1e-3)
+    for k in (2, 3):
+        weighed = library.density(sets[f"ninjaflex-mooney-rivlin-{k}"])
+        assert weighed == pytest.approx(1e-9 * 92 / 111.209, rel=1e-3)
     thread = library.material("PET")
     assert (thread.elastic.young_mpa, thread.elastic.poisson, thread.density) == (2760, 0.417, 1541)
 
@@ -264,20 +266,18 @@ def elongation(one, kilopascals: float, held: float) -> float:
 
 
 def test_notes_neo_hookean_follows_table_5_6():
-    """The modulus that follows it trades with the held length: 43-47 kPa is a base held 20-25 mm."""
+    """The modulus that follows it trades with the held length: 43-47 kPa is a base held 22-28 mm."""
 
     def best(held):
-        moduli = np.linspace(0.035, 0.06, 26)
+        moduli = np.linspace(0.040, 0.058, 37)
         laws = [law("neo_hookean", {"c10": g / 2}) for g in moduli]
         errors = [[elongation(one, p, held) / mm - 1 for p, mm in MEASURED.items()] for one in laws]
         k = int(np.argmin(np.square(errors).sum(1)))
         return 1000 * moduli[k], np.abs(errors[k]).max()
 
-    fits = {held: best(held) for held in (15, 20, 25)}
-    assert all(worst < 0.05 for _, worst in fits.values()), "within 5 % at each of three pressures"
-    assert fits[20][0] == pytest.approx(48, abs=1.5)
-    assert fits[25][0] == pytest.approx(43.5, abs=1.5)
-    assert fits[15][0] > fits[20][0] > fits[25][0]
+    fits = {held: best(held) for held in (15, 22, 28)}
+    assert all(worst < 0.05 for _, worst in fits.values()), "within 5 % at each of the three pressures"
+    assert [modulus for modulus, _ in fits.values()] == pytest.approx([52, 47, 43], abs=0.6)
 
 
 def test_notes_swapping_the_convention_alone_is_far_too_soft():
