@@ -1,0 +1,130 @@
+"""A closed triangle mesh as something to measure from: samples, rays, nearest points (mm)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+LIFT = 2e-4
+"""How far inside the surface a ray starts, mm: more than single precision loses within a hand."""
+PLASTIC = 1.32471795724474602596
+"""Root of x^3 = x + 1: multiples of 1/x and 1/x^2, modulo 1, fill the unit square evenly (Roberts
+2018, the R2 sequence)."""
+SHARP = math.cos(math.radians(30.0))
+"""Faces that turn by more meet in a sharp edge, not in the chords of a curve."""
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Points (n, 3) on sharp edges, the outward normals of the two faces that meet there, and
+    whether it is an inner edge: one with material around more than half of it, as in a notch."""
+
+    points: np.ndarray
+    one: np.ndarray
+    two: np.ndarray
+    inner: np.ndarray
+
+
+class Surface:
+    """Triangles of a closed mesh, wound outward, with a tree for rays."""
+
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray):
+        self.faces = np.asarray(faces)
+        self.corners = np.asarray(vertices, float)[self.faces]
+        a, b, c = self.corners.transpose(1, 0, 2)
+        cross = np.cross(b - a, c - a)
+        length = np.sqrt(np.einsum("ij,ij->i", cross, cross))
+        self.areas = length / 2
+        self.normals = cross / np.where(length > 0.0, length, 1.0)[:, None]
+        self._middle = (a.min(axis=0) + a.max(axis=0)) / 2
+
+    @cached_property
+    def area(self) -> float:
+        return float(self.areas.sum())
+
+    @cached_property
+    def _scene(self):
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+
+        scene = EmbreeScene()
+        # About the middle: embree works in single precision.
+        TriangleMesh(scene, (self.corners - self._middle).astype(np.float32))
+        return scene
+
+    @cached_property
+    def _boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.corners.min(axis=1), self.corners.max(axis=1)
+
+    def shoot(self, points: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Where rays (n, 3) from the surface into the material strike it: (distance, face, cosine).
+
+        `directions` are unit vectors; the cosine is that of the ray with the struck face's outward
+        normal. inf, -1 and -1 where nothing is struck from inside.
+        """
+        start = points + LIFT * directions - self._middle
+        face = self._scene.run(start.astype(np.float32), directions.astype(np.float32))
+        normal = self.normals[face]
+        cosine = np.einsum("ij,ij->i", normal, directions)
+        along = np.einsum("ij,ij->i", normal, self.corners[face, 0] - points)
+        struck = (face >= 0) & (cosine > 1e-3)
+        distance = np.divide(along, cosine, out=np.full(len(points), np.inf), where=struck)
+        return distance, np.where(struck, face, -1), np.where(struck, cosine, -1.0)
+
+    def samples(self, density: float, faces: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """(points (n, 3), face of each): `density` per mm2, evenly spread, always the same.
+
+        Faces take turns by their area; within a face the points follow a low-discrepancy sequence.
+        """
+        chosen = np.arange(len(self.faces)) if faces is None else faces
+        reached = density * np.cumsum(self.areas[chosen])
+        face = np.repeat(chosen, np.diff(np.round(reached).astype(int), prepend=0))
+        k = np.arange(len(face))
+        u, v = k / PLASTIC % 1.0, k / PLASTIC**2 % 1.0
+        fold = u + v > 1.0
+        u, v = np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
+        weights = np.stack([1.0 - u - v, u, v], axis=1)
+        return np.einsum("ij,ijk->ik", weights, self.corners[face]), face
+
+    def near(self, point: np.ndarray, reach: float) -> np.ndarray:
+        """Faces whose boxes come within `reach` mm of `point`."""
+        low, high = self._boxes
+        return np.flatnonzero(((low <= point + reach) & (high >= point - reach)).all(axis=1))
+
+    def sharp_edges(self, spacing: float) -> Edges:
+        """Points about every `spacing` mm along the edges at which neighbours turn by more than SHARP."""
+        start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        count = int(self.faces.max()) + 1
+        forward, backward = start * count + end, end * count + start
+        order = np.argsort(forward)
+        other = order[np.minimum(np.searchsorted(forward, backward, sorter=order), len(order) - 1)]
+        edge = np.flatnonzero(start < end)
+        one, two = self.normals[edge // 3], self.normals[other[edge] // 3]
+        sharp = np.einsum("ij,ij->i", one, two) < SHARP
+        edge, one, two = edge[sharp], one[sharp], two[sharp]
+        a = self.corners.reshape(-1, 3)[edge]
+        along = np.roll(self.corners, -1, axis=1).reshape(-1, 3)[edge] - a
+        inner = np.einsum("ij,ij->i", np.cross(one, two), along) < 0.0
+        steps = np.ceil(np.linalg.norm(along, axis=1) / spacing).astype(int)
+        own = np.repeat(np.arange(len(steps)), steps)
+        rank = np.arange(len(own)) - np.repeat(np.cumsum(steps) - steps, steps)
+        share = ((rank + 0.5) / steps[own])[:, None]
+        return Edges(a[own] + share * along[own], one[own], two[own], inner[own])
+
+
+def nearest(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """The point (m, 3) of each triangle (m, 3, 3) that is nearest to `point`."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    away = point - corners
+    share = np.einsum("ijk,ijk->ij", away, sides) / np.maximum(np.einsum("ijk,ijk->ij", sides, sides), 1e-30)
+    on_sides = corners + np.clip(share, 0.0, 1.0)[..., None] * sides
+    gaps = np.einsum("ijk,ijk->ij", on_sides - point, on_sides - point)
+    best = on_sides[np.arange(len(corners)), gaps.argmin(axis=1)]
+    normal = np.cross(sides[:, 0], sides[:, 1])
+    square = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-30)
+    foot = point - (np.einsum("ij,ij->i", away[:, 0], normal) / square)[:, None] * normal
+    inside = (np.einsum("ijk,ik->ij", np.cross(sides, foot[:, None] - corners), normal) >= 0.0).all(axis=1)
+    return np.where(inside[:, None], foot, best)
