@@ -226,7 +226,7 @@ def test_preview_shows_its_cells(tmp_path):
 
     ball = trimesh.creation.icosphere(subdivisions=3, radius=10.0)
     cells = [preview.Cell("red", ((ball.vertices, ball.faces, RED),)),
-             preview.Cell("blue", ((ball.vertices + (500, 0, 0), ball.faces, BLUE),))]
+             preview.Cell("blue", ((ball.vertices + np.array([500, 0, 0]), ball.faces, BLUE),))]
     camera = preview.Camera((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     for name in ("a", "b"):
         preview.draw(tmp_path / f"{name}.png", cells, camera, 2)

@@ -116,13 +116,13 @@ class _Build:
         """Assembly and previews: kept by key like parts; without OpenGL left out with a warning."""
         old = {row["file"]: row for row in (self.previous or {}).get("views", [])}
         shown, work = [], []
-        for view in pictures.views(self.loaded.hand, present):
+        for view in pictures.views(self.loaded.hand, self.loaded.sha256, present):
             row = {"file": view.file, "shows": list(view.shows), "key": view.key}
             if old.get(view.file) == row and self.store.intact(digests(self.previous, [view.file])):
                 self._keep([view.file])
                 shown.append(row)
             else:
-                work.append((row, (view.file, view.make, (self.store.stage, view))))
+                work.append((row, (view.file, view.make, (self.store.stage, view.file))))
         rows = {row["file"]: row for row, _ in work}
         for file, outcome in pictures.draw(pool, [job for _, job in work]):
             if outcome.sha256:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,34 +13,20 @@ import numpy as np
 from handgen.build.plan import Planned, salt
 from handgen.build.pool import Job, Workers
 from handgen.errors import EngineError
-from handgen.export import preview
+from handgen.export import glb, preview
 from handgen.geometry import csg
+from handgen.geometry.assembly import assembly
 from handgen.geometry.measure import read_stl
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
 HAND = "exoskeleton/hand"
+ASSEMBLY = "assembly/hand.glb"
 DORSUM = preview.Camera((0.0, 0.0, -1.0), (1.0, 0.0, 0.0))
 PALM = preview.Camera((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
-SIDE = preview.Camera((-0.35, -1.0, -0.2), (0.0, 0.0, 1.0))
+SIDE = preview.Camera((0.15, -1.0, -0.25), (0.0, 0.0, 1.0))
 LYING = preview.Camera((0.25, 1.0, -0.55), (0.0, 0.0, 1.0))
 CUT = preview.Camera((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-
-@dataclass(frozen=True)
-class View:
-    """One file that shows parts: `key` names its content, `make(stage, view)` writes it."""
-
-    file: str
-    parts: tuple[Part, ...]
-    key: str
-    camera: preview.Camera
-    columns: int
-    make: Callable[[Path, View], Drawn]
-
-    @property
-    def shows(self) -> tuple[str, ...]:
-        return tuple(part.name for part in self.parts)
 
 
 @dataclass(frozen=True)
@@ -50,31 +37,53 @@ class Drawn:
     warning: str | None = None
 
 
-def views(hand: Hand, present: Iterable[Planned]) -> list[View]:
-    """The views that the parts of this build allow."""
+@dataclass(frozen=True)
+class View:
+    """One file that shows parts: `key` names its content, `make(stage, file)` writes it."""
+
+    file: str
+    shows: tuple[str, ...]
+    key: str
+    make: Callable[[Path, str], Drawn]
+
+
+def views(hand: Hand, parameters: str, present: Iterable[Planned]) -> list[View]:
+    """The views that the parts of this build allow; `parameters` is the hash of the hand's."""
     planned = {p.part.name: p for p in present}
+    shown = [_pictured(planned, *wanted) for wanted in _pictures(list(planned)) if wanted[1]]
+    if hand.palm:
+        names = tuple(dict.fromkeys(seated.name for seated in assembly(hand)))
+        if planned.keys() >= set(names):
+            key = csg.digest((salt(), parameters, *(planned[name].key for name in names)))
+            shown.append(View(ASSEMBLY, names, key, partial(assembled, hand)))
+    return shown
 
-    def view(file, names, camera, columns, make=sheet):
-        key = csg.digest((salt(), file, *(planned[name].key for name in names)))
-        return View(file, tuple(planned[name].part for name in names), key, camera, columns, make)
 
-    def named(prefix, apart=()):
-        return [name for name in planned if name.startswith(prefix) and name not in apart]
+def _pictures(names: list[str]) -> Iterator[tuple]:
+    """(file, names of its parts, camera, columns, function that draws it)."""
+    for side, camera in (("palm", PALM), ("dorsum", DORSUM), ("side", SIDE)):
+        yield f"previews/hand_{side}.png", [n for n in names if n == HAND], camera, 1, sheet
+    fingers = [n for n in names if n.startswith("exoskeleton/") and n != HAND]
+    yield "previews/fingers.png", fingers, LYING, 1, sheet
+    yield "previews/actuators.png", [n for n in names if n.startswith("actuators/")], CUT, 1, cut_open
+    for which in dict.fromkeys(n.split("/")[1] for n in names if n.startswith("tooling/")):
+        tools = [n for n in names if n.startswith(f"tooling/{which}/")]
+        yield f"previews/tooling_{which}.png", tools, LYING, 2, sheet
 
-    wanted = [(f"previews/hand_{side}.png", named(HAND), camera, 1, sheet)
-              for side, camera in (("palm", PALM), ("dorsum", DORSUM), ("side", SIDE))]
-    wanted += [("previews/fingers.png", named("exoskeleton/", (HAND,)), LYING, 1, sheet),
-               ("previews/actuators.png", named("actuators/"), CUT, 1, cut_open)]
-    sets = dict.fromkeys(name.split("/")[1] for name in named("tooling/"))
-    wanted += [(f"previews/tooling_{s}.png", named(f"tooling/{s}/"), LYING, 2, sheet) for s in sets]
-    return [view(*w) for w in wanted if w[1]]
+
+def _pictured(planned, file, names, camera, columns, make) -> View:
+    key = csg.digest((salt(), file, *(planned[name].key for name in names)))
+    parts = tuple(planned[name].part for name in names)
+    return View(file, tuple(names), key, partial(make, parts, camera, columns))
 
 
 def draw(pool: Workers, work: list[Job]) -> Iterator[tuple[str, Drawn]]:
     """(file, outcome) of every job; a machine that cannot draw costs the pictures only."""
-    left = {file for file, _, _ in work}
+    yield from pool.run([[job] for job in work if job[0] == ASSEMBLY])
+    pictures = [job for job in work if job[0] != ASSEMBLY]
+    left = {file for file, _, _ in pictures}
     try:
-        for file, drawn in pool.run([[job] for job in work]):
+        for file, drawn in pool.run([[job] for job in pictures]):
             left.discard(file)
             yield file, drawn
     except EngineError as error:
@@ -82,30 +91,53 @@ def draw(pool: Workers, work: list[Job]) -> Iterator[tuple[str, Drawn]]:
             yield file, Drawn(None, f"previews left out: {error}; on Debian: apt install {preview.PACKAGES}")
 
 
-def sheet(stage: Path, view: View) -> Drawn:
-    """The parts as they are printed, one cell each."""
-    cells = [preview.Cell(_label(part), (_solid(stage, part),)) for part in view.parts]
-    return _draw(stage, view, cells)
+def assembled(hand: Hand, stage: Path, file: str) -> Drawn:
+    """Everything in its place, in the frame of the hand."""
+    nodes = []
+    for seated in assembly(hand):
+        if seated.axis:
+            mesh = seated.mesh
+            vertices, faces = mesh.vertices, mesh.faces
+        else:
+            vertices, faces = _welded(stage, seated.part)
+            vertices, faces = seated.carry(vertices), faces[:, ::-1] if seated.mirrored else faces
+        nodes.append((seated.name, vertices, faces, seated.part.colour))
+    content = glb.to_bytes(hand.name, nodes)
+    path = stage / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+    return Drawn(hashlib.sha256(content).hexdigest())
 
 
-def cut_open(stage: Path, view: View) -> Drawn:
+def sheet(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: Path, file: str) -> Drawn:
+    """The parts as they are printed, one cell each; a half that opens downwards shows its inside."""
+    cells = []
+    for part in parts:
+        vertices, faces = _welded(stage, part)
+        if part.up[2] < 0:
+            vertices = vertices * (1.0, -1.0, -1.0)
+        label = "" if part.name == HAND else _label(part)
+        cells.append(preview.Cell(label, ((vertices, faces, part.colour),)))
+    return _draw(stage / file, cells, camera, columns)
+
+
+def cut_open(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: Path, file: str) -> Drawn:
     """The parts' bodies, each cut open along the plane y = 0."""
     from handgen.geometry.mesh_kernel import evaluate
 
     cells = []
-    for part in view.parts:
+    for part in parts:
         solids = []
         for body in part.bodies:
             half = evaluate(body.shape).trim_by_plane((0.0, 1.0, 0.0), 0.0).to_mesh()
             solids.append((half.vert_properties[:, :3], half.tri_verts.astype(int), body.colour))
         cells.append(preview.Cell(_label(part), tuple(solids)))
-    return _draw(stage, view, cells)
+    return _draw(stage / file, cells, camera, columns)
 
 
-def _draw(stage: Path, view: View, cells: list[preview.Cell]) -> Drawn:
-    path = stage / view.file
+def _draw(path: Path, cells: list[preview.Cell], camera: preview.Camera, columns: int) -> Drawn:
     try:
-        preview.draw(path, cells, view.camera, view.columns)
+        preview.draw(path, cells, camera, columns)
     except EngineError as error:
         return Drawn(None, f"previews left out: {error}")
     return Drawn(hashlib.sha256(path.read_bytes()).hexdigest())
@@ -115,10 +147,8 @@ def _label(part: Part) -> str:
     return part.name.rsplit("/", 1)[-1].replace("_", " ")
 
 
-def _solid(stage: Path, part: Part) -> preview.Solid:
-    """The STL's triangles, welded; a half that opens downwards is turned to show its inside."""
+def _welded(stage: Path, part: Part) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) and faces (m, 3) of the part's STL."""
     corners = read_stl((stage / f"{part.name}.stl").read_bytes())
     vertices, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    if part.up[2] < 0:
-        vertices = vertices * (1.0, -1.0, -1.0)
-    return vertices, faces.reshape(-1, 3), part.colour
+    return vertices, faces.reshape(-1, 3)

@@ -19,6 +19,8 @@ Solid = tuple[np.ndarray, np.ndarray, tuple[float, float, float]]
 
 WIDTH = 1200
 """Of every picture, pixels."""
+TALLEST = 1600
+"""Height that the parts of a picture may take, pixels; captions come on top."""
 MARGIN, GAP, LINE = 32, 28, 36
 """Around the sheet, between cells, and the height of a label, pixels."""
 SHARP = 35.0
@@ -92,6 +94,7 @@ def _layout(extents, columns: int):
     sizes = [high - low for low, high in extents]
     rows = [range(i, min(i + columns, len(sizes))) for i in range(0, len(sizes), columns)]
     scale = min((WIDTH - 2 * MARGIN - GAP * (len(row) - 1)) / sum(sizes[i][0] for i in row) for row in rows)
+    scale = min(scale, (TALLEST - 2 * MARGIN) / sum(max(sizes[i][1] for i in row) for row in rows))
     tall = [max(sizes[i][1] for i in row) * scale for row in rows]
     height = round(2 * MARGIN + sum(tall) + LINE * len(rows) + GAP * (len(rows) - 1))
     places, top = [], height - MARGIN
