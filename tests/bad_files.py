@@ -218,6 +218,19 @@ FILES = [
         "{external: 0.8, thread: 0.2, internal: 0.8, tip: 4}}}\n",
         {"seal.tube_outer_diameter": "plug of opposition"},
     ),
+    variant(
+        "no-finger-and-no-actuator",
+        "fingers: {index: null, middle: null, ring: null, little: null, thumb: null}\n"
+        "actuators: {index: null, middle: null, ring: null, little: null, thumb: null, "
+        "opposition_1: null, opposition_2: null}\npalm: null\nopposition: null\n",
+        {"fingers": "no finger"},
+    ),
+    variant(
+        "no-thumb-to-oppose",
+        "fingers: {thumb: null}\nactuators: {thumb: null}\n",
+        {"opposition": "needs a `thumb`"},
+    ),
+    variant("opposition-overlaps", "opposition: {spacing: 10}\n", {"opposition.spacing": "overlap"}),
     variant("long-plug", "seal: {plug_length: 35}\n", {"seal.plug_length": "reaches the tip"}),
     variant(
         "half-an-opposition", "actuators: {opposition_2: null}\n", {"actuators.opposition_2": "needs both"}
@@ -262,5 +275,5 @@ FILES = [
     ),
 ]
 
-SAID_IN_BASE = {"not-adapted", "opposition-without-palm", "nothing-to-oppose"}
+SAID_IN_BASE = {"not-adapted", "no-thumb-to-oppose", "opposition-without-palm", "nothing-to-oppose"}
 """Variants that take away what a value of their base needs: the report names that value."""

@@ -74,6 +74,11 @@ def test_core_room_reproduces_what_the_tables_leave(adult):
     assert room == {"index": 4.5, "middle": 4.5, "ring": 3.5, "little": -0.25, "thumb": -1.0}
 
 
+def test_adaptation_may_be_forbidden_where_nothing_needs_it(tmp_path):
+    hand = load(variant(tmp_path, "actuators: {index: {adapt: false}, ring: {adapt: false}}\n")).hand
+    assert hand.actuators.index.adapt is False
+
+
 # Merging
 
 
