@@ -77,6 +77,8 @@ def test_as_printed_is_a_million_times_too_stiff():
     assert mooney.as_printed("5.5") == mooney.build()
     with pytest.raises(ValueError, match="leaves out alpha_3"):
         library.parameter_set("ecoflex-00-50-ogden-elsayed").as_printed("5.2")
+    with pytest.raises(ValueError, match="no convention"):
+        mooney.build(FIRST)
     with pytest.raises(ValueError, match=r"5\.5 does not hold"):
         one.as_printed("5.5")
 

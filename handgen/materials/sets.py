@@ -106,7 +106,13 @@ class ParameterSet(Model):
         return self
 
     def build(self, convention: Convention | None = None) -> Law:
-        """The law as corrected; an Ogden set can be misread in another `convention` on purpose."""
+        """The law as corrected; an Ogden set can be misread in another `convention` on purpose.
+
+        Raises:
+            ValueError: a `convention` for a law that has none.
+        """
+        if convention and self.law != "ogden":
+            raise ValueError(f"{self.law} has no convention to be misread in")
         return _build(self.law, self.constants, self.unit, convention or self.convention)
 
     @property
