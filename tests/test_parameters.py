@@ -163,13 +163,14 @@ def test_defaults_that_no_source_gives_are_assumptions_until_a_file_gives_them(t
 def test_patterns_speak_for_all_values_below(tmp_path):
     found = reasons(variant(tmp_path, """
 assumed:
-  fingers.*.joints: all of them
-  fingers.index.joints[1]: this one
   fingers.*.joints.*.palmar_arc: every arc
+  fingers.index.joints[1]: this one
+  fingers.*.joints.*: less than this one
   fingers.thumb.placement.root: measured by eye
+  fingers.*.joints: all of them
 """))
-    assert found["fingers.thumb.joints[1].position"] == (ADULT["fingers"]["thumb"]["joints"][1]["position"],
-                                                         "all of them")
+    assert found["fingers.thumb.joints[1].position"] == (
+        ADULT["fingers"]["thumb"]["joints"][1]["position"], "less than this one")
     assert found["fingers.index.joints[1].position"][1] == "this one"
     assert found["fingers.index.joints[1].palmar_arc"][1] == "every arc"
     assert found["fingers.thumb.placement.root"] == (ADULT["fingers"]["thumb"]["placement"]["root"],
