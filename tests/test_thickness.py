@@ -244,6 +244,7 @@ def crossings(lines, origin, direction):
     """Where the line through `origin` along `direction` passes line segments (n, 2, 3) of its plane."""
     start, along = lines[:, 0] - origin, lines[:, 1] - lines[:, 0]
     normal = np.cross(direction, np.cross(along, direction))
-    share = -np.einsum("ij,ij->i", start, normal) / np.maximum(np.einsum("ij,ij->i", along, normal), 1e-12)
-    hit = (share >= 0) & (share <= 1)
+    square = np.einsum("ij,ij->i", along, normal)
+    share = -np.einsum("ij,ij->i", start, normal) / np.maximum(square, 1e-12)
+    hit = (square > 1e-12) & (share >= 0) & (share <= 1)
     return ((start + share[:, None] * along) @ direction)[hit]
