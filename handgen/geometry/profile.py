@@ -17,8 +17,6 @@ from handgen.geometry.csg import Path
 from handgen.parameters import derive
 from handgen.parameters.finger import Actuator, Finger, Joint, Layers
 
-FLAT = ([0.0, 0.0], [1.0, 1.0])
-
 
 @dataclass(frozen=True)
 class Piece:
