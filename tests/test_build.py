@@ -227,17 +227,33 @@ def test_unknown_part_names_the_nearest(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_killed_worker_names_its_part(tmp_path):
-    with (open(tmp_path / "lock", "w") as lock, Workers(1, lock.fileno()) as pool,
-          pytest.raises(EngineError, match=r"exoskeleton/index.*signal 6")):
-        list(pool.run([[("exoskeleton/index", os.abort, ())]]))
+def _results(tmp_path, *groups):
+    with open(tmp_path / "lock", "w") as lock, Workers(1, lock.fileno()) as pool:
+        for group in groups:
+            pool.add(group)
+        return list(pool.results())
 
 
-def test_worker_brings_geometry_errors_home(tmp_path):
-    with (open(tmp_path / "lock", "w") as lock, Workers(1, lock.fileno()) as pool,
-          pytest.raises(GeometryError) as caught):
-        list(pool.run([[("plug", _refuse, ())]]))
-    assert (caught.value.part, caught.value.path) == ("plug", "seal.plug_length")
+def test_killed_worker_names_its_part_and_the_others_go_on(tmp_path):
+    results = _results(tmp_path, [("exoskeleton/index", os.abort, ()), ("after", abs, (-3,))],
+                       [("plug", abs, (-4,))])
+    assert results[1:] == [("after", 3), ("plug", 4)]
+    name, error = results[0]
+    assert name == "exoskeleton/index" and isinstance(error, EngineError)
+    assert "exoskeleton/index" in str(error) and "signal 6" in str(error)
+
+
+def test_worker_brings_errors_home(tmp_path):
+    (_, refused), (_, failed), (_, missing) = _results(
+        tmp_path, [("plug", _refuse, ()), ("collar", divmod, (1, 0)), ("hand", _without_library, ())])
+    assert isinstance(refused, GeometryError)
+    assert (refused.part, refused.path, refused.message) == ("plug", "seal.plug_length", "too long")
+    assert isinstance(failed, EngineError) and "ZeroDivisionError" in str(failed) and "collar" in str(failed)
+    assert isinstance(missing, EngineError) and "apt install libgl1" in str(missing)
+
+
+def _without_library():
+    raise ImportError("libGL.so.1: cannot open shared object file: No such file or directory")
 
 
 def _refuse():

@@ -10,9 +10,11 @@ from typing import Any
 
 from handgen import __version__, checks
 from handgen.build import jobs, pictures
+from handgen.build.pictures import View
 from handgen.build.plan import Planned, digests, groups, kept, plan
 from handgen.build.pool import Workers, default_count
 from handgen.build.store import CHECKS, MANIFEST, Store
+from handgen.errors import EngineError
 from handgen.export import manifest
 from handgen.geometry.actuator import adaptations
 from handgen.geometry.catalogue import catalogue, select
@@ -61,6 +63,10 @@ def _result(loaded: Loaded, store: Store, report: dict, written: dict) -> dict[s
             "checks": report, "passed": report["passed"]}
 
 
+def _view_row(view: View) -> dict[str, Any]:
+    return {"file": view.file, "shows": list(view.shows), "key": view.key}
+
+
 class _Build:
     """One run under the folder's lock."""
 
@@ -68,8 +74,9 @@ class _Build:
         self.loaded, self.store, self.say, self.verify = loaded, store, say, verify
         self.previous = store.manifest()
         self.files: dict[str, str] = {}
+        self.views: list[dict[str, Any]] = []
         self.warnings: list[str] = []
-        self.made = False
+        self.changed = False
 
     def run(self, planned: list[Planned], wanted: set[str], workers: int, lock: int) -> dict[str, Any]:
         rows = kept(planned, self.store, self.previous)
@@ -79,13 +86,12 @@ class _Build:
             for row in rows.values():
                 self._keep(row["files"].values())
             with Workers(workers, lock) as pool:
-                rows |= self._make(missing, pool, len(rows))
-                ordered = [rows[p.part.name] for p in present]
-                report = checks.everything(self.loaded.hand, ordered)
-                if self.verify and not report["passed"]:
-                    return _result(self.loaded, self.store, report, {})
-                shown = self._show(present, pool)
-            return self._finish(ordered, shown, report)
+                self._make(missing, pictures.views(self.loaded.hand, self.loaded.sha256, present), rows, pool)
+            ordered = [rows[p.part.name] for p in present]
+            report = checks.everything(self.loaded.hand, ordered)
+            if self.verify and not report["passed"]:
+                return _result(self.loaded, self.store, report, {})
+            return self._finish(ordered, report)
         finally:
             self.store.discard()
 
@@ -95,47 +101,57 @@ class _Build:
         self.store.reuse(files)
         self.files |= files
 
-    def _make(self, missing: list[Planned], pool: Workers, done: int) -> dict[str, dict]:
-        """Make the missing parts; their rows of the manifest by name."""
-        by_name = {p.part.name: p for p in missing}
-        work = [[(p.part.name, jobs.make, (p.part, self.store.stage, p.extra)) for p in group]
-                for group in groups(missing)]
-        if done:
-            self.say(f"unchanged: {done} parts")
-        rows = {}
-        for name, made in pool.run(work):
-            planned = by_name[name]
+    def _make(self, missing: list[Planned], views: list[View], rows: dict[str, dict], pool: Workers) -> None:
+        """Make the missing parts, and each view as soon as its parts are there; extends `rows`."""
+        if rows:
+            self.say(f"unchanged: {len(rows)} parts")
+        parts, total = {p.part.name: p for p in missing}, len(missing)
+        for group in groups(missing):
+            pool.add([(p.part.name, jobs.make, (p.part, self.store.stage, p.extra)) for p in group])
+        waiting = self._start_views([view for view in views if not self._keep_view(view)], rows, pool)
+        for name, result in pool.results():
+            if name not in parts:
+                self._shown(name, result, views)
+                continue
+            if isinstance(result, Exception):
+                raise result
+            made = parts.pop(name)
             rows[name] = manifest.entry(
-                planned.part, planned.key, made.facts, made.step_volume_mm3, made.files)
-            self.files |= made.files
-            self.made = True
-            self.say(f"[{len(rows)}/{len(missing)}] {name}")
-        return rows
+                made.part, made.key, result.facts, result.step_volume_mm3, result.files)
+            self.files |= result.files
+            self.changed = True
+            self.say(f"[{total - len(parts)}/{total}] {name}")
+            waiting = self._start_views(waiting, rows, pool)
 
-    def _show(self, present: list[Planned], pool: Workers) -> list[dict[str, Any]]:
-        """Assembly and previews: kept by key like parts; without OpenGL left out with a warning."""
-        old = {row["file"]: row for row in (self.previous or {}).get("views", [])}
-        shown, work = [], []
-        for view in pictures.views(self.loaded.hand, self.loaded.sha256, present):
-            row = {"file": view.file, "shows": list(view.shows), "key": view.key}
-            if old.get(view.file) == row and self.store.intact(digests(self.previous, [view.file])):
-                self._keep([view.file])
-                shown.append(row)
-            else:
-                work.append((row, (view.file, view.make, (self.store.stage, view.file))))
-        rows = {row["file"]: row for row, _ in work}
-        for file, outcome in pictures.draw(pool, [job for _, job in work]):
-            if outcome.sha256:
-                self.files[file] = outcome.sha256
-                self.made = True
-                shown.append(rows[file])
-                self.say(file)
-            elif outcome.warning not in self.warnings:
-                self.warnings.append(outcome.warning)
-                self.say(f"warning: {outcome.warning}")
-        return sorted(shown, key=lambda row: row["file"])
+    def _keep_view(self, view: View) -> bool:
+        """Keep a view by its key, as parts are."""
+        row = _view_row(view)
+        old = next((r for r in (self.previous or {}).get("views", []) if r == row), None)
+        if old is None or not self.store.intact(digests(self.previous, [view.file])):
+            return False
+        self._keep([view.file])
+        self.views.append(row)
+        return True
 
-    def _finish(self, rows: list[dict], shown: list[dict], report: dict) -> dict[str, Any]:
+    def _start_views(self, waiting: list[View], rows: dict[str, dict], pool: Workers) -> list[View]:
+        """Queue the views whose parts are all made; the others wait on."""
+        for view in (v for v in waiting if rows.keys() >= set(v.shows)):
+            pool.add([(view.file, view.make, (self.store.stage, view.file))])
+        return [v for v in waiting if not rows.keys() >= set(v.shows)]
+
+    def _shown(self, file: str, result: str | Exception, views: list[View]) -> None:
+        """Enter a view; a machine that cannot draw costs the pictures only, with a warning."""
+        if not isinstance(result, Exception):
+            self.files[file] = result
+            self.views.append(_view_row(next(view for view in views if view.file == file)))
+            self.changed = True
+        elif isinstance(result, EngineError) and file != pictures.ASSEMBLY:
+            self.warnings = [pictures.LEFT_OUT]
+            self.say(f"warning: {pictures.LEFT_OUT} ({result})")
+        else:
+            raise result
+
+    def _finish(self, rows: list[dict], report: dict) -> dict[str, Any]:
         """Write manifest and checks and put the build in its place, unless nothing changed."""
         document = {
             "schema": manifest.SCHEMA,
@@ -144,7 +160,7 @@ class _Build:
             "parameters_sha256": self.loaded.sha256,
             "verified": self.verify,
             "parts": rows,
-            "views": shown,
+            "views": sorted(self.views, key=lambda row: row["file"]),
             "adaptations": [asdict(a) for a in adaptations(self.loaded.hand)],
             "assumptions": self.loaded.assumptions,
             "notes": [jobs.BLENDED_NOTE] if any(r["name"] == jobs.HAND for r in rows) else [],
@@ -152,7 +168,7 @@ class _Build:
             "files": dict(sorted(self.files.items())),
         }
         written = {MANIFEST: manifest.to_bytes(document), CHECKS: manifest.to_bytes(report)}
-        if self.made or not self.store.same(written):
+        if self.changed or not self.store.same(written):
             self.store.write(written)
             self.store.carry_over({*(self.previous or {}).get("files", ()), MANIFEST, CHECKS})
             self.store.commit()

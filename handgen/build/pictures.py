@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from handgen.build.plan import Planned, salt
-from handgen.build.pool import Job, Workers
-from handgen.errors import EngineError
 from handgen.export import glb, preview
 from handgen.geometry import csg
 from handgen.geometry.assembly import assembly
@@ -22,6 +20,8 @@ from handgen.parameters.model import Hand
 
 HAND = "exoskeleton/hand"
 ASSEMBLY = "assembly/hand.glb"
+LEFT_OUT = ("previews are left out: this machine cannot draw off screen; "
+            f"on Debian: apt install {preview.PACKAGES}")
 DORSUM = preview.Camera((0.0, 0.0, -1.0), (1.0, 0.0, 0.0))
 PALM = preview.Camera((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
 SIDE = preview.Camera((0.15, -1.0, -0.25), (0.0, 0.0, 1.0))
@@ -30,21 +30,16 @@ CUT = preview.Camera((0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """The file's sha256, or why there is none."""
-
-    sha256: str | None
-    warning: str | None = None
-
-
-@dataclass(frozen=True)
 class View:
-    """One file that shows parts: `key` names its content, `make(stage, file)` writes it."""
+    """One file that shows parts: `key` names its content, `make(stage, file)` writes it.
+
+    `make` returns the file's sha256, and raises an EngineError where it cannot draw.
+    """
 
     file: str
     shows: tuple[str, ...]
     key: str
-    make: Callable[[Path, str], Drawn]
+    make: Callable[[Path, str], str]
 
 
 def views(hand: Hand, parameters: str, present: Iterable[Planned]) -> list[View]:
@@ -77,21 +72,7 @@ def _pictured(planned, file, names, camera, columns, make) -> View:
     return View(file, tuple(names), key, partial(make, parts, camera, columns))
 
 
-def draw(pool: Workers, work: list[Job]) -> Iterator[tuple[str, Drawn]]:
-    """(file, outcome) of every job; a machine that cannot draw costs the pictures only."""
-    yield from pool.run([[job] for job in work if job[0] == ASSEMBLY])
-    pictures = [job for job in work if job[0] != ASSEMBLY]
-    left = {file for file, _, _ in pictures}
-    try:
-        for file, drawn in pool.run([[job] for job in pictures]):
-            left.discard(file)
-            yield file, drawn
-    except EngineError as error:
-        for file in sorted(left):
-            yield file, Drawn(None, f"previews left out: {error}; on Debian: apt install {preview.PACKAGES}")
-
-
-def assembled(hand: Hand, stage: Path, file: str) -> Drawn:
+def assembled(hand: Hand, stage: Path, file: str) -> str:
     """Everything in its place, in the frame of the hand."""
     nodes = []
     for seated in assembly(hand):
@@ -106,10 +87,10 @@ def assembled(hand: Hand, stage: Path, file: str) -> Drawn:
     path = stage / file
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
-    return Drawn(hashlib.sha256(content).hexdigest())
+    return hashlib.sha256(content).hexdigest()
 
 
-def sheet(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: Path, file: str) -> Drawn:
+def sheet(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: Path, file: str) -> str:
     """The parts as they are printed, one cell each; a half that opens downwards shows its inside."""
     cells = []
     for part in parts:
@@ -121,7 +102,7 @@ def sheet(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: 
     return _draw(stage / file, cells, camera, columns)
 
 
-def cut_open(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: Path, file: str) -> Drawn:
+def cut_open(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stage: Path, file: str) -> str:
     """The parts' bodies, each cut open along the plane y = 0."""
     from handgen.geometry.mesh_kernel import evaluate
 
@@ -135,12 +116,9 @@ def cut_open(parts: tuple[Part, ...], camera: preview.Camera, columns: int, stag
     return _draw(stage / file, cells, camera, columns)
 
 
-def _draw(path: Path, cells: list[preview.Cell], camera: preview.Camera, columns: int) -> Drawn:
-    try:
-        preview.draw(path, cells, camera, columns)
-    except EngineError as error:
-        return Drawn(None, f"previews left out: {error}")
-    return Drawn(hashlib.sha256(path.read_bytes()).hexdigest())
+def _draw(path: Path, cells: list[preview.Cell], camera: preview.Camera, columns: int) -> str:
+    preview.draw(path, cells, camera, columns)
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _label(part: Part) -> str:

@@ -7,10 +7,12 @@ workers never import the caller's modules.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import sys
 import traceback
+from collections import deque
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
@@ -35,73 +37,78 @@ class Workers:
 
     def __init__(self, count: int, lock: int):
         self.count, self.lock = count, lock
+        self.queue: deque[list[Job]] = deque()
         self.processes: dict[Connection, subprocess.Popen] = {}
+        self.busy: dict[Connection, list[Job]] = {}
 
     def __enter__(self) -> Workers:
         return self
 
     def __exit__(self, *_) -> None:
-        for pipe, process in self.processes.items():
-            process.kill()
-            process.wait()
-            pipe.close()
+        for pipe in list(self.processes):
+            self._end(pipe)
 
-    def run(self, groups: list[list[Job]]) -> Iterator[tuple[str, Any]]:
-        """(name, result) of every job as it is done; a group's jobs run in order in one worker.
+    def add(self, group: list[Job]) -> None:
+        """Queue jobs that one worker shall do in order."""
+        self.queue.append(group)
 
-        Raises:
-            GeometryError: as the job raised it.
-            EngineError: a job failed otherwise, or its worker died; names the part.
+    def results(self) -> Iterator[tuple[str, Any]]:
+        """(name, result) of every job as it is done; jobs may be added meanwhile.
+
+        A job that fails gives its error as result: a GeometryError as it was raised, or an
+        EngineError that names the part, also when its worker died.
         """
-        queue = [list(group) for group in groups if group]
-        self._start(min(self.count, len(queue)))
-        idle, busy = list(self.processes), {}
-        while queue or busy:
-            while idle and queue:
-                busy[idle[0]] = queue.pop(0)
-                self._send(idle.pop(0), busy)
-            for pipe in wait(list(busy)):
-                (name, _, _), *rest = busy[pipe]
-                yield name, self._receive(pipe, name)
-                if rest:
-                    busy[pipe] = rest
-                    self._send(pipe, busy)
-                else:
-                    del busy[pipe]
-                    idle.append(pipe)
+        while self.queue or self.busy:
+            self._hand_out()
+            for pipe in wait(list(self.busy)):
+                (name, _, _), *rest = self.busy.pop(pipe)
+                result = self._receive(pipe, name)
+                if rest and pipe in self.processes:
+                    self._send(pipe, rest)
+                elif rest:
+                    self.queue.appendleft(rest)
+                yield name, result
 
-    def _start(self, count: int) -> None:
-        for _ in range(count - len(self.processes)):
-            ours, theirs = Pipe()
-            code = START.format(path=sys.path, descriptor=theirs.fileno())
-            process = subprocess.Popen(
-                [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                pass_fds=(theirs.fileno(), self.lock))
-            theirs.close()
-            self.processes[ours] = process
+    def _hand_out(self) -> None:
+        """Give every idle worker its next group; start workers as they are needed."""
+        while self.queue:
+            idle = [pipe for pipe in self.processes if pipe not in self.busy]
+            if not idle and len(self.processes) >= self.count:
+                return
+            self._send(idle[0] if idle else self._start(), self.queue.popleft())
 
-    def _send(self, pipe: Connection, busy: dict) -> None:
-        name, function, arguments = busy[pipe][0]
-        try:
-            pipe.send((name, function, arguments))
-        except OSError:
-            raise self._died(pipe, name) from None
+    def _start(self) -> Connection:
+        ours, theirs = Pipe()
+        code = START.format(path=sys.path, descriptor=theirs.fileno())
+        self.processes[ours] = subprocess.Popen(
+            [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            pass_fds=(theirs.fileno(), self.lock))
+        theirs.close()
+        return ours
+
+    def _send(self, pipe: Connection, group: list[Job]) -> None:
+        self.busy[pipe] = group
+        # A worker that is dead already is noticed when its answer is read.
+        with contextlib.suppress(OSError):
+            pipe.send(group[0])
 
     def _receive(self, pipe: Connection, name: str) -> Any:
         try:
             kind, value = pipe.recv()
         except (EOFError, OSError):
-            raise self._died(pipe, name) from None
+            code = self.processes[pipe].wait()
+            self._end(pipe)
+            how = f"was killed by signal {-code}" if code < 0 else f"ended with code {code}"
+            return EngineError(f"{name}: the process that made it {how} (out of memory?)")
         if kind == "geometry":
-            raise GeometryError(*value)
-        if kind == "engine":
-            raise EngineError(f"{name}: {value}")
-        return value
+            return GeometryError(*value)
+        return EngineError(f"{name}: {value}") if kind == "engine" else value
 
-    def _died(self, pipe: Connection, name: str) -> EngineError:
-        code = self.processes[pipe].wait()
-        how = f"was killed by signal {-code}" if code < 0 else f"ended with code {code}"
-        return EngineError(f"{name}: the process that made it {how} (out of memory?)")
+    def _end(self, pipe: Connection) -> None:
+        process = self.processes.pop(pipe)
+        process.kill()
+        process.wait()
+        pipe.close()
 
 
 def default_count() -> int:

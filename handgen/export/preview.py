@@ -151,4 +151,4 @@ def _check_window(plotter) -> None:
         try:
             ctypes.CDLL("libOSMesa.so.8")
         except OSError:
-            raise EngineError(f"no OpenGL to draw with; on Debian: apt install {PACKAGES}") from None
+            raise EngineError("no OpenGL to draw with") from None
