@@ -128,43 +128,58 @@ def _ballooning(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]
     silicone = hand.casting.silicone
     pressure = limits.get("thread.gap", "working_pressure", silicone.name)
     mu = shear_modulus(silicone.modulus_100)
-    x = w.stations
-    wall = w.profile.large_core(x) - w.profile.small_core(x)
-    rows = [(bulge.widest_gap(pressure.value * KPA, t, r, mu), at, t, r)
-            for at, t, r in zip(x, wall, w.profile.large_core(x), strict=True)]
+    x = _stations(hand, w)
+    radii = zip(w.profile.small_core(x), w.profile.large_core(x), w.profile.outer(x), strict=True)
+    walls = [bulge.Wall(float(i), float(t), float(o), mu) for i, t, o in radii]
+    rows = [(wall.widest_gap(pressure.value * KPA), float(at), wall)
+            for at, wall in zip(x, walls, strict=True)]
     free = _free(hand, w.name, x)
     for chosen, severity in ((free, "error"), (~free, "info")):
         places = [row for row, taken in zip(rows, chosen, strict=True) if taken]
         if not places:
             continue
-        limit, at, t, r = min(places)
+        limit, at, wall = min(places, key=lambda row: row[0])
         if severity == "error":
             yield w.gap / limit, w.gap, limit
         if w.gap > limit + ROUNDING:
-            findings.append(_balloons(w, severity, limit, (at, t, r), pressure, mu))
+            findings.append(_balloons(w, severity, limit, at, wall, pressure))
 
 
-def _balloons(w: Winding, severity: str, limit: float, place: tuple, pressure: Limit, mu: float) -> Finding:
-    x, wall, radius = place
-    angle = bulge.half_angle(pressure.value * KPA, w.gap, wall, radius, mu)
+def _balloons(w: Winding, severity: str, limit: float, x: float, wall: bulge.Wall, pressure: Limit
+              ) -> Finding:
+    angle = wall.half_angle(pressure.value * KPA, w.gap)
     how = (f"bulges {bulge.height(angle, w.gap):.2f} mm, stretched {bulge.stretch(angle):.1f} times"
            if math.isfinite(angle) else "balloons without end")
     held = " unless the closed bore holds it" if severity == "info" else ""
     return Finding(
         "thread.gap", severity, f"actuators/{w.name}", w.gap, limit, "mm",
-        f"at {pressure.value:g} kPa the {wall:.2f} mm inner layer {how}"
+        f"at {pressure.value:g} kPa the inner layer of {wall.thread - wall.inside:.2f} mm {how}"
         f" between turns {w.gap:.2f} mm apart{held}",
         f"wind at a pitch of {math.floor(100 * (limit + w.thread.diameter)) / 100:g} mm or less,"
         " or thicken layers.internal",
         f"half circle between two rings (handgen.mechanics.bulge); {pressure.source}", w.spot(x))
 
 
+def _stations(hand: Hand, w: Winding) -> np.ndarray:
+    """The winding's stations and the edges of the slots that it passes, where layers may be thinnest."""
+    x = w.stations
+    edges = [e for start, end in _slots(hand, w.name) for e in (start, end) if x[0] < e < x[-1]]
+    return np.union1d(x, edges)
+
+
 def _free(hand: Hand, name: str, x: np.ndarray) -> np.ndarray:
-    """Where actuator `name` has no closed bore around it."""
+    """Where actuator `name` has no closed bore around it: in the slots, or all along without a finger."""
+    slots = _slots(hand, name)
+    if not slots:
+        return np.ones(len(x), bool)
+    return np.any([(start <= x) & (x <= end) for start, end in slots], axis=0)
+
+
+def _slots(hand: Hand, name: str) -> list[tuple[float, float]]:
     finger = getattr(hand.fingers, name) if name in FINGERS else None
     if finger is None:
-        return np.ones(len(x), bool)
-    return np.any([abs(x - j.position) <= j.slot_length / 2 for j in finger.joints], axis=0)
+        return []
+    return [(j.position - j.slot_length / 2, j.position + j.slot_length / 2) for j in finger.joints]
 
 
 def _narrow(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]) -> None:
