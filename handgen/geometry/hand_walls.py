@@ -84,8 +84,8 @@ def _pockets_closed(hand: Hand, skin: Skin, hinge: Hinge) -> None:
     bases, tips, bore = hinge.bases(), hinge.tips(), hinge.thumb_bore()
     channels = palm.channels(hand)
     *tubes, thumb_tube = hinge.tubes()
-    pairs = [*combinations(bases, 2), *combinations(tips, 2), *((t, bore) for t in tips),
-             *((b, c) for b in bases for c in (*channels, thumb_tube))]
+    pairs = [*combinations(bases, 2), *((b, c) for b in bases for c in (*channels, thumb_tube)),
+             *combinations(tips, 2), *((t, bore) for t in tips)]
     for hole, other in pairs:
         wall = _between(hole, other, hinge)
         if wall < LEAST:

@@ -113,14 +113,18 @@ def seat(hand: Hand, name: str, depth: float) -> Hole:
 
 
 def channels(hand: Hand) -> list[Hole]:
-    """One straight channel a finger of the `row`, from the wrist's mouth to the finger's seat."""
+    """One straight channel a finger of the `row`, from the wrist's mouth to the finger's seat.
+
+    Raises:
+        GeometryError: the mouth is narrower than a channel.
+    """
     palm, names = hand.palm, row(hand)
     fingers = [getattr(hand.fingers, n) for n in names]
     radii = [f.base_bore_diameter / 2 + palm.channel_clearance for f in fingers]
     roots = [f.placement.root[1] for f in fingers]
     wrist = palm.sections[0]
     high, low = wrist.y + palm.mouth / 2 - radii[0], wrist.y - palm.mouth / 2 + radii[-1]
-    if high < low:
+    if palm.mouth < 2 * max(radii):
         raise GeometryError(PART, "palm.mouth", f"no room for a channel of {2 * max(radii):.1f} mm")
     result = []
     for name, radius, y in zip(names, radii, roots, strict=True):
