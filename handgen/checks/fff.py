@@ -22,7 +22,7 @@ SLICES = 7
 """Layers of each part whose walls are measured."""
 PACE = 1.5
 """Distance, mm, along a layer's outlines at which walls are measured."""
-RAYS = 160
+RAYS = 120
 """Walls measured in a layer at most, at first."""
 CLOSE = 0.25
 """The same distance where a wall looks odd."""
@@ -88,47 +88,43 @@ def printed(hand: Hand, parts: Mapping[str, Part]) -> Iterator[Printed]:
 def line_width(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     """Every wall is a whole number of lines that the nozzle can draw; no layer is too thick.
 
-    A wall of thickness t takes n lines of t / n; the rule asks for an n that keeps t / n between
-    the thinnest and the widest line. Walls are measured in the plane of the layers.
+    A wall takes the fewest lines that are no wider than the widest; what each must then be wide is
+    compared with the thinnest. Walls are measured in the plane of the layers.
     """
     rule = "print.line-width"
-    findings, thinnest = _layers(hand, parts, limits), (float("inf"), "", 0.0)
+    findings, poorest = _layers(hand, parts, limits), None
     for item in printed(hand, parts):
         nozzle = item.process.nozzle_size
-        low, high, detail = (limits.get(rule, n, item.process.material, item.key).value
-                             for n in ("least_line", "widest_line", "detail"))
+        least, widest, detail = (limits.get(rule, n, item.process.material, item.key)
+                                 for n in ("least_line", "widest_line", "detail"))
+        low, high = nozzle * least.value, nozzle * widest.value
         layers = slices(item.surface)
-        odd = odd_wall(layers, nozzle * low, nozzle * high, detail)
-        if odd:
-            findings.append(_odd(item, odd, limits, nozzle * low))
+        wall = min((w for layer in layers for w in layer.odd(low, high, detail.value)), default=None)
+        if wall:
+            findings.append(_odd(item, wall, low, least))
         elif item.process.infill_pattern == "concentric":
-            odd = min((wall for layer in layers if (wall := layer.thinnest())), default=None)
-            findings += [_lines(item, odd, limits)] if odd else []
-        if odd:
-            thinnest = min(thinnest, (odd.thickness, item.part.name, nozzle))
-    if not thinnest[1]:
-        return skipped(rule, "nothing is printed")
-    least = limits.get(rule, "least_line").value * thinnest[2]
-    return judged(rule, thinnest[0], least, f"thinnest wall, of {thinnest[1]}", findings)
+            wall = min((w for layer in layers if (w := layer.poorest(high))), default=None)
+            findings += [_lines(item, wall, widest)] if wall else []
+        if wall and (poorest is None or wall.line / low < poorest[0]):
+            poorest = (wall.line / low, wall, low, item.part.name)
+    if poorest is None:
+        return skipped(rule, "no wall is all lines")
+    _, wall, low, name = poorest
+    return judged(rule, wall.line, low, f"thinnest line, for {wall.thickness:.2f} mm of {name}", findings)
 
 
-def fits_lines(thickness: np.ndarray, low: float, high: float) -> np.ndarray:
-    """Whether some whole number of lines between `low` and `high` mm wide fills each wall."""
-    fewest = np.maximum(1, np.ceil(thickness / high - ROUNDING))
-    return thickness / fewest >= low - ROUNDING
+def line_for(thickness: np.ndarray, widest: float) -> np.ndarray:
+    """How wide the lines of a wall are when it takes the fewest that are no wider than `widest`, mm."""
+    return thickness / np.maximum(1, np.ceil(thickness / widest - ROUNDING))
 
 
 @dataclass(frozen=True, order=True)
 class Wall:
-    """A wall in one layer: least thickness (mm) and where, in the printing frame."""
+    """A wall in one layer: the lines it takes and its thickness (mm); where, in the printing frame."""
 
+    line: float
     thickness: float
     where: tuple[float, float, float]
-
-
-def odd_wall(layers: list[Layer], low: float, high: float, detail: float) -> Wall | None:
-    """The thinnest wall that no whole number of lines fills over a stretch of `detail` mm."""
-    return min((wall for layer in layers for wall in layer.odd(low, high, detail)), default=None)
 
 
 @dataclass(frozen=True)
@@ -140,29 +136,31 @@ class Layer:
     thickness: np.ndarray
     at: np.ndarray
 
-    def thinnest(self) -> Wall | None:
-        if not len(self.thickness):
-            return None
-        i = int(np.argmin(self.thickness))
-        return Wall(float(self.thickness[i]), (*self.at[i].tolist(), self.z))
+    def poorest(self, widest: float) -> Wall | None:
+        """The wall that takes the thinnest lines, where none may be wider than `widest`."""
+        return _poorest(self.thickness, self.at, self.z, widest) if len(self.thickness) else None
 
     def odd(self, low: float, high: float, detail: float) -> list[Wall]:
-        """Walls that no whole number of lines fills, each at least `detail` mm long.
+        """Walls whose lines are thinner than `low`, each at least `detail` mm long.
 
         Where there may be one, its neighbourhood is measured closely, to tell a wall from a letter.
         """
-        suspects = self.at[~fits_lines(self.thickness, low, high)]
+        suspects = self.at[line_for(self.thickness, high) < low - ROUNDING]
         if not len(suspects):
             return []
         gaps = np.linalg.norm(self.cut.middle[:, None] - suspects[None], axis=2).min(1)
         near = self.cut.where(gaps < detail + self.cut.lengths / 2)
         thickness, at = thicknesses(self.cut, near, CLOSE)
-        strange = ~fits_lines(thickness, low, high)
-        thickness, at = thickness[strange], at[strange]
-        walls = [(thickness[rows], at[rows]) for rows in _stretches(at)]
-        return [
-            Wall(float(t.min()), (*p[np.argmin(t)].tolist(), self.z))
-            for t, p in walls if np.ptp(p, axis=0).max() + CLOSE >= detail]
+        odd = line_for(thickness, high) < low - ROUNDING
+        thickness, at = thickness[odd], at[odd]
+        return [_poorest(thickness[rows], at[rows], self.z, high) for rows in _stretches(at)
+                if np.ptp(at[rows], axis=0).max() + CLOSE >= detail]
+
+
+def _poorest(thickness: np.ndarray, at: np.ndarray, z: float, widest: float) -> Wall:
+    lines = line_for(thickness, widest)
+    i = int(np.argmin(lines))
+    return Wall(float(lines[i]), float(thickness[i]), (*at[i].tolist(), z))
 
 
 def slices(surface: Surface) -> list[Layer]:
@@ -230,30 +228,26 @@ def _layers(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> list[Findi
     return findings
 
 
-def _odd(item: Printed, wall: Wall, limits: Limits, low: float) -> Finding:
+def _odd(item: Printed, wall: Wall, low: float, limit: Limit) -> Finding:
     """A wall that no whole number of lines fills: an error where not even one does."""
-    limit = limits.get("print.line-width", "least_line", item.process.material, item.key)
-    lost = wall.thickness < low - ROUNDING
+    nozzle, lost = item.process.nozzle_size, wall.thickness < low - ROUNDING
     message = ("is thinner than the thinnest line: it is dropped" if lost
-               else f"is {wall.thickness / item.process.nozzle_size:.1f} lines: it stays hollow or swells")
+               else f"is {wall.thickness / nozzle:.1f} lines: it stays hollow or swells")
     return Finding(
-        "print.line-width", "error" if lost else "warning", item.part.name, wall.thickness, low, "mm",
+        "print.line-width", "error" if lost else "warning", item.part.name, wall.line, low, "mm",
         f"a wall of {wall.thickness:.2f} mm {message}",
-        f"make it a multiple of printing.{item.key}.nozzle_size ({item.process.nozzle_size:g} mm):"
+        f"make it a multiple of printing.{item.key}.nozzle_size ({nozzle:g} mm):"
         f" {KEYS.get(item.part.role, item.part.path)}", limit.source, item.own(wall.where))
 
 
-def _lines(item: Printed, wall: Wall, limits: Limits) -> Finding:
-    """How the thinnest wall of a part that is all lines is filled."""
+def _lines(item: Printed, wall: Wall, limit: Limit) -> Finding:
+    """How the poorest wall of a part that is all lines is filled."""
     nozzle = item.process.nozzle_size
-    lines = max(1, round(wall.thickness / nozzle))
     return Finding(
         "print.line-width", "info", item.part.name, wall.thickness / nozzle, None, "1",
-        f"its thinnest wall of {wall.thickness:.2f} mm takes {lines} lines of"
-        f" {wall.thickness / lines:.3f} mm",
-        "let the slicer vary the width of lines, or it fills the rest with a gap",
-        limits.get("print.line-width", "widest_line", item.process.material, item.key).source,
-        item.own(wall.where))
+        f"a wall of {wall.thickness:.2f} mm is {wall.thickness / nozzle:.1f} lines of the nozzle:"
+        f" {round(wall.thickness / wall.line)} of {wall.line:.3f} mm fill it",
+        "let the slicer vary the width of lines, or it leaves a gap", limit.source, item.own(wall.where))
 
 
 def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
@@ -267,17 +261,16 @@ def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     for item in printed(hand, parts):
         items += 1
         angle = item.process.support_angle
-        mask = hanging.steep(item.surface, angle, item.process.layer_height)
-        bridge, reach, least = (limits.get(rule, n, item.process.material, item.key)
-                                for n in ("bridge", "reach", "least_area"))
+        bridge, reach, bed, least = (limits.get(rule, n, item.process.material, item.key)
+                                     for n in ("bridge", "reach", "bed", "least_area"))
+        mask = hanging.steep(item.surface, angle, bed.value)
         supported = 0.0
         for patch in hanging.patches(item.surface, mask):
-            helped = item.supports(patch.places)
             hard = patch.reach() > reach.value + ROUNDING
-            span = patch.span(hard)
-            hard &= span > bridge.value + ROUNDING
-            supported += patch.share * float((hard & helped).sum())
-            bad = hard & ~helped
+            helped = hard & item.supports(patch.places)
+            supported += patch.share * float(helped.sum())
+            span = patch.span(hard & ~helped)
+            bad = hard & ~helped & (span > bridge.value + ROUNDING)
             if patch.share * bad.sum() > least.value + ROUNDING:
                 steepest = max(steepest, patch.angle)
                 findings.append(_in_the_air(item, patch, bad, span, bridge, reach))
@@ -290,18 +283,19 @@ def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
 
 def _in_the_air(item: Printed, patch: hanging.Patch, bad: np.ndarray, span: np.ndarray, bridge: Limit,
                 reach: Limit) -> Finding:
-    """The patch's worst place: the widest bridge, else the farthest overhang, else none that holds."""
-    bridges = bad & np.isfinite(span)
-    needs, limit = (span, bridge) if bridges.any() else (patch.reach(), reach)
-    rows = np.flatnonzero(bridges if bridges.any() else bad)
-    at = rows[int(np.argmax(needs[rows]))]
-    need = float(needs[at]) if np.isfinite(needs[at]) else None
-    held = ("starts in the air" if need is None
-            else f"spans {need:.1f} mm" if bridges.any() else f"reaches {need:.1f} mm out")
+    """The patch's worst place: as a bridge or as an overhang, whichever it is nearer to."""
+    reaches = patch.reach()
+    excess = np.where(bad, np.minimum(span / bridge.value, reaches / reach.value), 0.0)
+    at = int(np.argmax(excess))
+    bridges = span[at] / bridge.value < reaches[at] / reach.value
+    limit, need = (bridge, float(span[at])) if bridges else (reach, float(reaches[at]))
+    held = (f"spans {need:.1f} mm" if bridges
+            else f"reaches {need:.1f} mm out" if np.isfinite(need) else "starts in the air")
     where = (f"printing.{item.key}.part_support.{item.part.role}" if item.key == "tooling"
              else f"printing.{item.key}.support")
     return Finding(
-        "print.overhang", "error", item.part.name, need, limit.value, limit.unit,
+        "print.overhang", "error", item.part.name, need if np.isfinite(need) else None, limit.value,
+        limit.unit,
         f"{patch.share * bad.sum():.0f} mm2, up to {patch.angle:.0f} deg from the vertical,"
         f" {held} without support",
         f"allow support ({where}), or turn the part", limit.source, item.own(patch.places[at]))

@@ -136,10 +136,24 @@ def _edges_that_hold(surface: Surface, hanging: np.ndarray) -> np.ndarray:
     wanted = np.flatnonzero(mine)
     at = np.searchsorted(keys, (end * count + start)[wanted])
     found = (at < len(keys)) & (keys[np.minimum(at, len(keys) - 1)] == (end * count + start)[wanted])
-    edges, neighbours = wanted[found], order[at[found]]
-    z = surface.vertices[:, 2]
-    down = z[opposite[neighbours]] < (z[start[edges]] + z[end[edges]]) / 2 - 1e-6
+    edges, beyond = wanted[found], order[at[found]]
+    down = _descends(surface, start[edges], end[edges], opposite[edges], opposite[beyond], beyond // 3)
     return np.c_[start[edges], end[edges]][down]
+
+
+def _descends(surface: Surface, a: np.ndarray, b: np.ndarray, mine: np.ndarray, other: np.ndarray,
+              faces: np.ndarray) -> np.ndarray:
+    """Whether `faces` go down from the edges a-b, straight away from the corners `mine`.
+
+    By a face's slope across the edge; an upright face has none, so its corner `other` tells.
+    """
+    v, normals = surface.vertices, surface.normals[faces]
+    along = (v[b] - v[a])[:, :2]
+    away = np.c_[along[:, 1], -along[:, 0]]
+    away *= -np.sign(np.einsum("ij,ij->i", away, (v[mine] - v[a])[:, :2]))[:, None]
+    upright = np.abs(normals[:, 2]) < 1e-3
+    slope = -np.einsum("ij,ij->i", normals[:, :2], away) / np.where(upright, 1.0, normals[:, 2])
+    return np.where(upright, v[other, 2] < (v[a, 2] + v[b, 2]) / 2 - 1e-6, slope < 0)
 
 
 def _places(surface: Surface, faces: np.ndarray, pitch: float = PITCH) -> np.ndarray:
