@@ -74,6 +74,16 @@ class Surface:
         distance = np.divide(along, cosine, out=np.full(len(points), np.inf), where=struck)
         return distance, np.where(struck, face, -1), np.where(struck, cosine, -1.0)
 
+    def sight(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Distance (n,) from `points` along unit vectors to the first surface, struck from either side."""
+        start = (points - self._middle).astype(np.float32)
+        face = self._scene.run(start, directions.astype(np.float32))
+        normal = self.normals[face]
+        along = np.einsum("ij,ij->i", normal, self.corners[face, 0] - points)
+        cosine = np.einsum("ij,ij->i", normal, directions)
+        struck = (face >= 0) & (np.abs(cosine) > 1e-6)
+        return np.divide(along, cosine, out=np.full(len(points), np.inf), where=struck)
+
     def samples(self, density: float, faces: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """(points (n, 3), face of each): `density` per mm2, evenly spread, always the same.
 

@@ -1,0 +1,198 @@
+"""Rules on walls, measured on the meshes that are printed and cast."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Literal
+
+import numpy as np
+
+from handgen.checks.limits import Limit, Limits
+from handgen.checks.rule import Finding, Outcome, judged, skipped
+from handgen.checks.voids import FIT, STEP, Void, regions, voids
+from handgen.geometry.palm import PART as HAND
+from handgen.geometry.part import Part
+from handgen.geometry.surface import Surface
+from handgen.geometry.thickness import PARALLEL, Gauge, Spot
+from handgen.parameters.model import Hand
+
+CAST = "actuator"
+"""Role of parts that are cast, not printed."""
+THINNEST = 0.02
+"""Share of its surface under which a part is thinnest, when sound parts are compared: letters are less."""
+THICK = 6.0
+"""Two bores that are farther apart share no wall, mm."""
+OFF = 0.1
+"""How far off a wall's face it is asked which bore lies there, mm; chords are 20 times nearer."""
+
+
+def minimum(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
+    """Every wall is thick enough for its process: whole lines of the nozzle, or pourable silicone.
+
+    A printed wall counts as thick as it comes out: as drawn less the under-extrusion. A wall that
+    prints but breaks when it is handled is a warning.
+    """
+    rule = "wall.minimum"
+    findings, nearest = [], None
+    for part in parts.values():
+        least, handled = least_wall(hand, part, limits), _handled(part, limits)
+        gauge = Gauge(part.mesh)
+        for spot in gauge.thin_spots(max(least.value, handled.value if handled else 0.0)):
+            limit = least if spot.thickness < least.value or not handled else handled
+            findings.append(_thin(part, spot, limit, "error" if limit is least else "warning"))
+        walls = gauge.walls.thickness[gauge.walls.parallel > PARALLEL]
+        margin = np.quantile(walls, THINNEST) - least.value if len(walls) else np.inf
+        if nearest is None or margin < nearest[0]:
+            nearest = margin, part, gauge, least
+    if nearest is None:
+        return skipped(rule, "no parts in this build")
+    if findings:
+        worst = min(findings, key=lambda f: f.measured / f.limit)
+        return judged(rule, worst.measured, worst.limit, f"thinnest for its process: {worst.part}", findings)
+    _, part, gauge, least = nearest
+    spot = gauge.least()
+    return judged(rule, spot and spot.thickness, least.value, f"thinnest for its process: {part.name}", [])
+
+
+def least_wall(hand: Hand, part: Part, limits: Limits) -> Limit:
+    """The drawn thickness, mm, that every wall of `part` must have."""
+    rule = "wall.minimum"
+    if part.role == CAST:
+        return limits.get(rule, "pourable", part.material)
+    process = getattr(hand.printing, _process(part))
+    lines, less = (limits.get(rule, name, *_kinds(part)) for name in ("lines", "under_extrusion"))
+    return Limit(lines.value * process.nozzle_size / (1.0 - less.value), "mm",
+                 f"{lines.value:g} lines of {process.nozzle_size:g} mm less {less.value:.0%}: {lines.source}")
+
+
+def _handled(part: Part, limits: Limits) -> Limit | None:
+    return None if part.role == CAST else limits.find("wall.minimum", "handled", *_kinds(part))
+
+
+def _process(part: Part) -> str:
+    """Key of a printed part's process under `printing`."""
+    if part.role != "exoskeleton":
+        return "tooling"
+    return "hand" if part.name == HAND else "finger"
+
+
+def _kinds(part: Part) -> tuple[str, str, str]:
+    return part.role, part.material, _process(part)
+
+
+def between_bores(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
+    """The hand's bores, channels and pockets leave a sound wall between one another."""
+    rule = "wall.between-bores"
+    part = parts.get(HAND)
+    if part is None:
+        return skipped(rule, "no hand in this build")
+    nozzle = hand.printing.hand.nozzle_size
+    lines = limits.get(rule, "lines", *_kinds(part))
+    limit = Limit(lines.value * nozzle, "mm", f"{lines.value:g} lines of {nozzle:g} mm: {lines.source}")
+    known, gauge = voids(hand), Gauge(_right(hand, part))
+    walls = gauge.walls.where((gauge.walls.parallel > PARALLEL) & (gauge.walls.thickness < THICK))
+    owners = [sorted({v.owner for v in known}).index(v.owner) for v in known]
+    one, two = (np.array([*owners, -1])[_beside(known, points, outward)] for points, outward in
+                ((walls.points, walls.normals), (walls.opposite, -walls.normals)))
+    between = (one >= 0) & (two >= 0) & (one != two)
+    if not between.any():
+        return judged(rule, None, limit.value, f"no wall between two bores is thinner than {THICK:g} mm", [])
+    findings = []
+    for spot in gauge.thin_spots(limit.value):
+        line = np.subtract(spot.opposite, spot.point) / max(spot.thickness, 1e-9)
+        ends = _beside(known, np.array([spot.point, spot.opposite]), np.array([-line, line]))
+        if min(ends) >= 0 and owners[ends[0]] != owners[ends[1]]:
+            findings.append(_shared(hand, part, spot, limit, [known[end] for end in ends]))
+    measured = min([f.measured for f in findings], default=float(walls.thickness[between].min()))
+    return judged(rule, measured, limit.value, "thinnest wall between two bores", findings)
+
+
+def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
+    """No bore, channel or pocket of the hand opens where it must not.
+
+    From every void's axis its wall must be in sight where it is drawn, unless there another void
+    begins that this one leads into.
+    """
+    rule = "bore.breakthrough"
+    part = parts.get(HAND)
+    if part is None:
+        return skipped(rule, "no hand in this build")
+    limit = limits.get(rule, "opening", *_kinds(part))
+    mesh, known = _right(hand, part), voids(hand)
+    surface = Surface(mesh.vertices, mesh.faces)
+    places: dict[str, list] = {v.name: [v] for v in known} | dict(regions(hand))
+    findings, largest = [], 0.0
+    for void in known:
+        origins, directions, distances, share = void.wall()
+        gone = surface.sight(origins, directions) > distances + OFF
+        wall = origins + distances[:, None] * directions
+        for name in set(void.into) - {void.name}:
+            for place in places.get(name, ()):
+                gone &= ~place.holds(wall, FIT)
+        for hole in _patches(wall[gone]):
+            across = 2 * math.sqrt(share * len(hole) / math.pi)
+            largest = max(largest, across)
+            if across > limit.value:
+                findings.append(_broken(hand, part, void, hole, across, limit, known))
+    return judged(rule, largest, limit.value, "largest opening in a bore's wall", findings)
+
+
+def _right(hand: Hand, part: Part) -> SimpleNamespace:
+    """The part's mesh as that of a right hand, in whose frame the voids are known."""
+    vertices, faces = np.array(part.mesh.vertices), np.array(part.mesh.faces)
+    if hand.side == "left":
+        return SimpleNamespace(vertices=vertices * (1, -1, 1), faces=faces[:, ::-1])
+    return SimpleNamespace(vertices=vertices, faces=faces)
+
+
+def _own(hand: Hand, point: np.ndarray) -> tuple[float, float, float]:
+    """A point of the right hand's frame in this hand's."""
+    x, y, z = (float(v) for v in point)
+    return (x, -y if hand.side == "left" else y, z)
+
+
+def _beside(known: list[Void], points: np.ndarray, outward: np.ndarray) -> np.ndarray:
+    """Number of the void that lies off each wall's face; -1: none of them."""
+    off = points + OFF * outward
+    found = np.full(len(points), -1)
+    for number, void in enumerate(known):
+        found[void.holds(off)] = number
+    return found
+
+
+def _thin(part: Part, spot: Spot, limit: Limit, severity: Literal["error", "warning"]) -> Finding:
+    return Finding(
+        "wall.minimum", severity, part.name, spot.thickness, limit.value, limit.unit,
+        f"a wall of {spot.thickness:.2f} mm over {spot.area:.1f} mm2", f"thicken it at {part.path}",
+        limit.source, spot.middle)
+
+
+def _shared(hand: Hand, part: Part, spot: Spot, limit: Limit, ends: list[Void]) -> Finding:
+    one, two = ends
+    return Finding(
+        "wall.between-bores", "error", part.name, spot.thickness, limit.value, limit.unit,
+        f"{one.name} and {two.name} leave {spot.thickness:.2f} mm between them, over {spot.area:.1f} mm2",
+        f"move one of them: {one.path} or {two.path}", limit.source, _own(hand, spot.middle))
+
+
+def _broken(hand: Hand, part: Part, void: Void, hole: np.ndarray, across: float, limit: Limit,
+            known: list[Void]) -> Finding:
+    middle = hole[np.linalg.norm(hole - hole.mean(axis=0), axis=1).argmin()]
+    met = [v.name for v in known if v is not void and v.holds(middle[None], FIT)[0]]
+    return Finding(
+        "bore.breakthrough", "error", part.name, across, limit.value, limit.unit,
+        f"{void.name} breaks through into {' and '.join(met) or 'the open'}: {across:.1f} mm wide",
+        f"move it, or thicken the palm around it: {void.path}", limit.source, _own(hand, middle))
+
+
+def _patches(points: np.ndarray) -> list[np.ndarray]:
+    """Points (n, 3) in groups of neighbours, the largest first."""
+    from scipy.cluster.hierarchy import fclusterdata
+
+    if len(points) < 2:
+        return [points] if len(points) else []
+    label = fclusterdata(points, 2.5 * STEP, criterion="distance", method="single")
+    groups = [points[label == k] for k in np.unique(label)]
+    return sorted(groups, key=len, reverse=True)
