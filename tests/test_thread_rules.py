@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from scipy.integrate import quad
 
 from handgen.checks import thread
 from handgen.checks.limits import standard
@@ -58,6 +59,20 @@ def test_the_limit_is_where_the_half_circle_stands():
     wall = Wall(4.5, 6.0, 8.0, MU)
     assert wall.half_angle(0.1, wall.widest_gap(0.1)) == pytest.approx(HALF_CIRCLE, abs=1e-6)
     assert wall.half_angle(0.1, 3 * wall.widest_gap(0.1)) == math.inf
+
+
+@pytest.mark.parametrize("angle", [0.5, 1.0, HALF_CIRCLE])
+def test_the_external_layer_presses_back_as_a_thick_tube(angle):
+    """Against the integral of hoop stress over radius through the blown-up tube."""
+    bare, sleeved, gap = Wall(4.5, 6.0, 6.0, MU), Wall(4.5, 6.0, 8.0, MU), 2.0
+    grown = (6.0 + 2 / 3 * height(angle, gap)) ** 2 - 36.0
+
+    def stress(r):
+        hoop = r / math.sqrt(r * r - grown)
+        return MU * (hoop**2 - hoop**-2) / r
+
+    by_integral, _ = quad(stress, math.sqrt(36 + grown), math.sqrt(64 + grown))
+    assert sleeved.pressure(angle, gap) - bare.pressure(angle, gap) == pytest.approx(by_integral, rel=1e-9)
 
 
 @pytest.mark.slow
