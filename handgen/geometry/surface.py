@@ -84,20 +84,35 @@ class Surface:
         struck = (face >= 0) & (np.abs(cosine) > 1e-6)
         return np.divide(along, cosine, out=np.full(len(points), np.inf), where=struck)
 
-    def samples(self, density: float, faces: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """(points (n, 3), face of each): `density` per mm2, evenly spread, always the same.
+    def samples(self, density: float) -> tuple[np.ndarray, np.ndarray]:
+        """(points (n, 3), face of each): `density` per mm2, evenly spread, always the same."""
+        return spread(self.corners, density)
 
-        Faces take turns by their area; within a face the points follow a low-discrepancy sequence.
+    def samples_around(
+        self, places: np.ndarray, reach: float, density: float, most: int,
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """As `samples`, only within about `reach` mm of `places` (m, 3); the density that became of it.
+
+        No more than `most` samples: then they are spread more thinly.
         """
-        chosen = np.arange(len(self.faces)) if faces is None else faces
-        reached = density * np.cumsum(self.areas[chosen])
-        face = np.repeat(chosen, np.diff(np.round(reached).astype(int), prepend=0))
-        k = np.arange(len(face))
-        u, v = k / PLASTIC % 1.0, k / PLASTIC**2 % 1.0
-        fold = u + v > 1.0
-        u, v = np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
-        weights = np.stack([1.0 - u - v, u, v], axis=1)
-        return np.einsum("ij,ijk->ik", weights, self.corners[face]), face
+        from scipy.spatial import cKDTree
+
+        tree = cKDTree(places)
+        pieces, face = self.corners, np.arange(len(self.faces))
+        while True:
+            middles = pieces.mean(axis=1)
+            sizes = np.sqrt(((pieces - middles[:, None]) ** 2).sum(axis=2).max(axis=1))
+            close = tree.query(middles)[0] < sizes + reach
+            pieces, face, large = pieces[close], face[close], sizes[close] > reach
+            if not large.any():
+                break
+            pieces = np.concatenate([pieces[~large], halves(pieces[large])])
+            face = np.concatenate([face[~large], face[large], face[large]])
+        a, b, c = pieces.transpose(1, 0, 2)
+        area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+        density = min(density, most / max(area, 1e-9))
+        points, piece = spread(pieces, density)
+        return points, face[piece], density
 
     def near(self, point: np.ndarray, reach: float) -> np.ndarray:
         """Faces whose boxes come within `reach` mm of `point`."""
@@ -123,6 +138,32 @@ class Surface:
         rank = np.arange(len(own)) - np.repeat(np.cumsum(steps) - steps, steps)
         share = ((rank + 0.5) / steps[own])[:, None]
         return Edges(a[own] + share * along[own], one[own], two[own], inner[own])
+
+
+def spread(corners: np.ndarray, density: float) -> tuple[np.ndarray, np.ndarray]:
+    """(points (n, 3), triangle of each) on triangles (m, 3, 3), `density` per mm2.
+
+    Triangles take turns by their area; within one the points follow a low-discrepancy sequence.
+    """
+    a, b, c = corners.transpose(1, 0, 2)
+    reached = density / 2 * np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    triangle = np.repeat(np.arange(len(corners)), np.diff(np.round(reached).astype(int), prepend=0))
+    k = np.arange(len(triangle))
+    u, v = k / PLASTIC % 1.0, k / PLASTIC**2 % 1.0
+    fold = u + v > 1.0
+    u, v = np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
+    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    return np.einsum("ij,ijk->ik", weights, corners[triangle]), triangle
+
+
+def halves(corners: np.ndarray) -> np.ndarray:
+    """Triangles (m, 3, 3) cut in two across their longest sides: first all one halves, then the others."""
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    first = sides.argmax(axis=1)
+    row = np.arange(len(corners))
+    a, b, c = (corners[row, (first + k) % 3] for k in range(3))
+    middle = (a + b) / 2
+    return np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
 
 
 def nearest(corners: np.ndarray, point: np.ndarray) -> np.ndarray:

@@ -148,25 +148,13 @@ class Gauge:
 
     def _close_look(self, limit: float) -> tuple[Readings, float]:
         """(readings around every place that may be thinner than `limit`, samples per mm2)."""
-        from scipy.spatial import cKDTree
-
         reach = SEARCH * limit
-        edges = self._contacts
-        places = np.vstack([self.walls.points[self.walls.thickness < reach],
-                            edges.points[edges.thickness < reach]])
+        contacts = self._contacts.where(self._contacts.thickness < reach)
+        places = np.vstack([self.walls.points[self.walls.thickness < reach], contacts.points])
         if not len(places):
             return self.walls.where(slice(0)), FINE
-        tree = cKDTree(places)
-        corners = self.surface.corners
-        centres = corners.mean(axis=1)
-        radii = np.sqrt(((corners - centres[:, None]) ** 2).sum(axis=2)).max(axis=1)
-        faces = np.flatnonzero(tree.query(centres)[0] < radii + AROUND)
-        density = min(FINE, 4 * MOST / self.surface.areas[faces].sum())
-        points, face = self.surface.samples(density, faces)
-        close = np.flatnonzero(tree.query(points, distance_upper_bound=AROUND)[0] < np.inf)
-        every = math.ceil(len(close) / MOST)
-        walls = self._read(points[close[::every]], face[close[::every]])
-        return _with_edges(walls, edges.where(edges.thickness < reach)), density / every
+        points, faces, density = self.surface.samples_around(places, AROUND, FINE, MOST)
+        return _with_edges(self._read(points, faces), contacts), density
 
     def _read(self, points: np.ndarray, faces: np.ndarray, turns: int = TURNS) -> Readings:
         """Set the gauge on `points` of `faces`: along the normal, then square to what was struck."""
