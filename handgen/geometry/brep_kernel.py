@@ -18,7 +18,12 @@ def evaluate(shape: csg.Shape) -> Shape:
     Raises:
         ValueError: OCCT returned nothing, or a solid that it calls invalid itself.
     """
-    result = _evaluate(shape)
+    from OCP.Standard import Standard_Failure
+
+    try:
+        result = _evaluate(shape)
+    except Standard_Failure as error:
+        raise ValueError(f"OCCT gave up on a {type(shape).__name__}: {error}") from error
     if not result.Solids() or not result.isValid():
         raise ValueError(f"OCCT gave no valid solid for a {type(shape).__name__}")
     solids = result.Solids()

@@ -133,8 +133,8 @@ class Section:
 class Loft(Shape):
     """A skin through sections whose paths have the same segments, capped at both ends.
 
-    `smooth` makes the B-rep run through the sections without edges; the mesh is always straight
-    between them, so give enough of them.
+    `smooth` runs the skin through the sections without edges, on cubic splines; the B-rep's are
+    fitted and differ a little from the mesh's where few sections turn much.
     """
 
     sections: tuple[Section, ...]

@@ -7,6 +7,7 @@ tessellation is not (its revolved caps have zero-area triangles on the axis).
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,8 @@ CHORD = 0.005
 MIN_SEGMENTS = 64
 """Least chords around a circle: the polygon then lacks 0.16 % of its area, however small it is."""
 FLATNESS = 1 / 40
+SMOOTH_STEPS = 8
+"""Straight steps of a smooth loft from one section to the next."""
 SLIVER = 1e-3
 """Detail below this, mm, is dropped from the mesh before it is rounded for export."""
 
@@ -44,8 +47,8 @@ def evaluate(shape: csg.Shape) -> Manifold:
         case csg.Text(text, size, height):
             rings = [r for outer, holes in outlines(text, size) for r in (outer, *holes)]
             result = _extrude(rings, height)
-        case csg.Loft(sections):
-            result = _loft(sections)
+        case csg.Loft(sections, smooth):
+            result = _loft(sections, smooth)
         case csg.Field(recipe, pitch):
             result = _field(recipe, pitch)
         case csg.Placed(inner, rotation, origin):
@@ -178,7 +181,7 @@ def _cross_section(rings: list):
     return section
 
 
-def _loft(sections: tuple[csg.Section, ...]) -> Manifold:
+def _loft(sections: tuple[csg.Section, ...], smooth: bool) -> Manifold:
     """Triangulated skin through the sections; the caps are triangulated in their planes."""
     from manifold3d import Manifold, Mesh64, triangulate
 
@@ -191,6 +194,9 @@ def _loft(sections: tuple[csg.Section, ...]) -> Manifold:
         np.c_[ring, np.zeros(n)] @ np.array(s.rotation).T + np.array(s.origin)
         for ring, s in zip(rings, sections, strict=True)
     ])
+    if smooth:
+        vertices = _smoothed(vertices.reshape(m, n, 3)).reshape(-1, 3)
+        m = len(vertices) // n
     i = np.arange(n)
     j = (i + 1) % n
     faces = []
@@ -210,6 +216,16 @@ def _loft(sections: tuple[csg.Section, ...]) -> Manifold:
     if np.einsum("ij,ij->", v[:, 0], np.cross(v[:, 1], v[:, 2])) < 0.0:
         faces = faces[:, ::-1]
     return Manifold(Mesh64(vertices, np.array(faces, np.uint64, order="C")))
+
+
+def _smoothed(rings: np.ndarray) -> np.ndarray:
+    """Rings (m, n, 3) with more between them on cubic splines, as OCCT runs a skin through them."""
+    from scipy.interpolate import CubicSpline
+
+    apart = np.linalg.norm(np.diff(rings, axis=0), axis=2).mean(axis=1)
+    at = np.r_[0.0, np.cumsum(apart)]
+    between = np.concatenate([np.linspace(a, b, SMOOTH_STEPS, endpoint=False) for a, b in pairwise(at)])
+    return CubicSpline(at, rings)(np.r_[between, at[-1]])
 
 
 def _field(recipe, pitch: float) -> Manifold:
