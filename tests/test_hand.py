@@ -240,7 +240,8 @@ def test_brep_is_one_valid_solid_near_the_printed_one(part):
     own = evaluate(part.bodies[0].shape)
     # The same tree in the other kernel: straight instead of smooth lofts, nothing else.
     assert own.volume() == pytest.approx(brep.Volume(), rel=0.03)
-    assert brep.Volume() == pytest.approx(printed.volume, rel=0.08)
+    # What it leaves out, the blends, is a twentieth of the hand.
+    assert brep.Volume() == pytest.approx(printed.volume, rel=0.06)
     box = brep.BoundingBox()
     assert box.xmin == pytest.approx(0.0, abs=0.01) and box.xmax == pytest.approx(195.0, abs=0.05)
     assert np.allclose((box.ymin, box.ymax), printed.bounds[:, 1], atol=2.0)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import trimesh
 
 SEALS = ("plug", "collar")
-BENT_EDGE = 1.0
+BENT_EDGE = 2.0
 """Longest edge, mm, of a mesh that is bent: its straight triangles must follow the curl."""
 
 

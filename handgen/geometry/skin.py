@@ -229,16 +229,32 @@ def fitted_loft(skin: Limb, rotation: Rows, origin: Point3, stations: Sequence[f
 
     sections = []
     for u in stations:
-        enclosed = coarse[distances(u, coarse) < 0]
+        away = distances(u, coarse)
+        enclosed = coarse[away < 0]
         centre, spread = enclosed.mean(axis=0), enclosed.std(axis=0)
         # Rays at even steps around the ellipse that is as flat as the section.
         ray = circle * spread / np.linalg.norm(circle * spread, axis=1, keepdims=True)
         inside = distances(u, centre + far[:, None, None] * ray) < 0
         edge = far[len(far) - 1 - np.argmax(inside[::-1], axis=0)] + FIT / 8
-        path = _closed_spline(edge[:, None] * ray)
+        ring = edge[:, None] * ray
+        # Few points cut corners: as much again is given all round, so that the areas agree.
+        area = FIT**2 * np.clip(0.5 - away / FIT, 0.0, 1.0).sum()
+        path = _closed_spline(ring * math.sqrt(area / _enclosed(ring)))
         at = rows @ np.r_[u, centre] + o
         sections.append(Section(path, plane, tuple(at.tolist())))
     return Loft(tuple(sections), smooth=True)
+
+
+def _enclosed(ring: np.ndarray) -> float:
+    """Area inside the closed spline through `ring`, mm2."""
+    handle = (np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)) / 2
+    end, end_handle = np.roll(ring, -1, axis=0), np.roll(handle, -1, axis=0)
+    t = np.arange(0.0, 1.0, 0.125)[:, None, None]
+    u = 1 - t
+    points = (ring * (1 + 2 * t) * u * u + end * (1 + 2 * u) * t * t
+              + t * u * (handle * u - end_handle * t)).swapaxes(0, 1).reshape(-1, 2)
+    x, y = points.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
 
 def _closed_spline(points: np.ndarray) -> Path:
