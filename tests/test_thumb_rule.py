@@ -102,6 +102,13 @@ def test_the_sections_are_the_meshs(thin):
     assert sections[0][0, 0] > 1.02 * plain[0, 0]
 
 
+def test_of_several_pieces_the_thumbs_counts():
+    from manifold3d import Manifold
+
+    fist, thumb_tip = Manifold.cube((9.0, 9.0, 9.0)), Manifold.cube((1.0, 1.0, 1.0)).translate((20.0, 0.0, 0.0))
+    assert thumb._with(fist + thumb_tip, np.array([21.0, 0.0, 0.0])).volume() == pytest.approx(1.0)
+
+
 def test_the_adult_hand_opposes_with_a_quarter_to_spare(thin):
     outcome = judge(*thin)
     assert outcome.status == "pass" and not outcome.findings

@@ -18,9 +18,12 @@ apart and pressed by p from inside; the external layer lies on it as a sleeve. F
 The limit is the half circle, a = 90 degrees: up to there a strip that grows curves more tightly
 and so holds more; beyond, it curves less, lies over the thread on its neighbour, and balloons: the
 pressure has its peak at 120 to 140 degrees. For r much larger than g the limit is
-g = 2 mu t / p (pi/2 - (2/pi)^3). A wall that is stretched along its axis is hardly worse off: gap and
-tension grow together. A model with both layers bonded (see the tests) bulges as far in the wide
-fingers and less, down to two thirds, where the inner layer is thinner than 1 mm.
+g = 2 mu t / p (pi/2 - (2/pi)^3). A wall stretched along its axis reaches it later: gap and tension
+grow together.
+
+Against finite elements with both layers bonded (see the tests): within 15 % for walls as in Table A.2 at
+the source's 2 mm; too careful, by up to two thirds, where the inner layer is thinner than 1 mm; over
+gaps of about 1 mm the elements add 0.1 mm by which the thread sinks into the wall.
 """
 
 from __future__ import annotations
