@@ -8,7 +8,7 @@ import pytest
 from handgen.checks.curl import CurlingFinger
 from handgen.checks.limits import standard
 from handgen.checks.motion import interference, strain, strip_strain
-from handgen.checks.surface import Surface
+from handgen.checks.sections import Triangles
 from handgen.errors import InputError
 from handgen.geometry import csg
 from handgen.geometry.finger import exoskeleton
@@ -20,7 +20,7 @@ LEVEL = [[0.0, 0.0], [1.0, 1.0]]
 
 
 def surface(shape):
-    return Surface.of(printable(evaluate(shape)))
+    return Triangles.of(printable(evaluate(shape)))
 
 
 def fingers(hand, *names):

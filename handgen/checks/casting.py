@@ -13,7 +13,7 @@ import numpy as np
 
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.checks.surface import Outline, Surface
+from handgen.checks.sections import Outline, Triangles
 from handgen.geometry.casting import Setup
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
@@ -50,7 +50,7 @@ def demould(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     for setup, (large, small) in setups(hand, parts, "core_large", "core_small"):
         for core in (large, small):
             cores += 1
-            whole = Surface.of(core.mesh)
+            whole = Triangles.of(core.mesh)
             surface = whole.where(whole.corners[:, :, 0].max(1) > setup.top)
             depth, found = _undercut(setup, core, surface, limits)
             worst = max(worst, depth)
@@ -86,7 +86,7 @@ def undercut(vertices: np.ndarray, pull: np.ndarray) -> tuple[float, np.ndarray]
     return depth, where
 
 
-def _undercut(setup: Setup, core: Part, surface: Surface, limits: Limits) -> tuple[float, list[Finding]]:
+def _undercut(setup: Setup, core: Part, surface: Triangles, limits: Limits) -> tuple[float, list[Finding]]:
     limit = limits.get("core.demould", "undercut", core.role)
     points = surface.vertices
     flank = points[(points[:, 0] >= -ROUNDING) & (np.hypot(points[:, 1], points[:, 2]) > APEX)]
@@ -101,7 +101,7 @@ def _undercut(setup: Setup, core: Part, surface: Surface, limits: Limits) -> tup
         f"the cast hangs {depth:.2f} mm behind the core", fix, limit.source, tuple(where.tolist()))]
 
 
-def draft(surface: Surface) -> float:
+def draft(surface: Triangles) -> float:
     """Mean slope of a core's flank beyond the actuator's base, deg; above 0: it narrows to its tip."""
     start, end = 0.0, surface.vertices[:, 0].max() - ROUNDED
     along, normal = surface.corners[:, :, 0], surface.normals[:, 0]
@@ -111,7 +111,7 @@ def draft(surface: Surface) -> float:
     return float(np.degrees((np.arcsin(normal[flank]) * areas).sum() / areas.sum()))
 
 
-def _draft(setup: Setup, core: Part, surface: Surface, limits: Limits) -> list[Finding]:
+def _draft(setup: Setup, core: Part, surface: Triangles, limits: Limits) -> list[Finding]:
     limit, slope = limits.get("core.demould", "draft", core.role), draft(surface)
     if slope >= limit.value - 1e-3:
         return []
@@ -133,7 +133,7 @@ class Pull:
     force: np.ndarray
 
     @classmethod
-    def of(cls, setup: Setup, core: Part, surface: Surface, limits: Limits) -> Pull:
+    def of(cls, setup: Setup, core: Part, surface: Triangles, limits: Limits) -> Pull:
         stress = limits.get("core.demould", "release_stress", core.material, setup.casting.silicone.name)
         suction = limits.get("core.demould", "suction")
         end = float(surface.vertices[:, 0].max())
@@ -199,7 +199,7 @@ def split(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     findings, worst, moulds = [], 0.0, 0
     for setup, (a, b) in setups(hand, parts, "mould_a", "mould_b"):
         moulds += 1
-        lower, upper = Surface.of(a.mesh), Surface.of(b.mesh)
+        lower, upper = Triangles.of(a.mesh), Triangles.of(b.mesh)
         for half, surface, opens in ((a, lower, -1.0), (b, upper, 1.0)):
             depth, where = behind(surface, setup, opens)
             worst = max(worst, depth)
@@ -217,7 +217,7 @@ def split(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     return judged(rule, worst, limit.value, f"deepest undercut of {moulds} moulds", findings)
 
 
-def behind(surface: Surface, setup: Setup, opens: float) -> tuple[float, tuple[float, float, float]]:
+def behind(surface: Triangles, setup: Setup, opens: float) -> tuple[float, tuple[float, float, float]]:
     """(depth mm, where) by which a half's cavity reaches behind the cast, opening along `opens` z.
 
     A face that looks the way its half must go hooks the cast; the depth is how far such faces
@@ -243,14 +243,14 @@ def _faulty(half: Part, measured: float, limit: Limit, message: str, where) -> F
                    limit.source, where)
 
 
-def _face(surface: Surface, up: float) -> float:
+def _face(surface: Triangles, up: float) -> float:
     """Height z of a half's face in the split: the largest plane that faces `up` along z."""
     flat = surface.normals[:, 2] * up > 0.9999
     levels, of = np.unique(np.round(surface.centres[flat, 2], 4), return_inverse=True)
     return float(levels[np.argmax(np.bincount(of, surface.areas[flat]))])
 
 
-def _pins(setup: Setup, b: Part, lower: Surface, upper: Surface, limits: Limits) -> list[Finding]:
+def _pins(setup: Setup, b: Part, lower: Triangles, upper: Triangles, limits: Limits) -> list[Finding]:
     """Every pin of a finds a hole of b around it, with the room that a print needs and no more."""
     least, most = (limits.get("mould.split", f"{n}_pin_clearance", b.material) for n in ("least", "most"))
     findings = []

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from handgen.checks.limits import Limits
-from handgen.checks.surface import Outline, Surface
+from handgen.checks.sections import Outline, Triangles
 from handgen.geometry.finger import Axis
 from handgen.geometry.palm import finger_placement
 from handgen.geometry.part import Part
@@ -34,16 +34,16 @@ class CurlingFinger:
         self.axis = Axis(self.profile, hand.exoskeleton.joint_fillet)
 
     @cached_property
-    def surface(self) -> Surface:
-        return Surface.of(self.part.mesh)
+    def surface(self) -> Triangles:
+        return Triangles.of(self.part.mesh)
 
-    def around(self, joint: Joint) -> Surface:
+    def around(self, joint: Joint) -> Triangles:
         """The triangles that the sections across a joint's slot cut, and few others."""
         rotation, origin = self.axis.placement(joint.position)
         along = ((self.surface.vertices - origin) @ np.array(rotation)[:, 0])[self.surface.faces]
         return self.surface.where((along.min(1) < joint.slot_length) & (along.max(1) > -joint.slot_length))
 
-    def section_at(self, x: float, surface: Surface) -> Outline:
+    def section_at(self, x: float, surface: Triangles) -> Outline:
         """The section of `surface` across the axis at arc length x, (y, z) about the axis there."""
         cut = surface.seen_from(*self.axis.placement(x)).section(0, 0.0)
         return cut.where(np.linalg.norm(cut.middle, axis=1) < self.profile.outer_radius(x) + 1.0)
@@ -109,7 +109,7 @@ class CurlingFinger:
         return [*result, rest]
 
 
-def as_solid(surface: Surface):
+def as_solid(surface: Triangles):
     """Closed triangles as a manifold3d solid."""
     from manifold3d import Manifold, Mesh
 

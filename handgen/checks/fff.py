@@ -11,7 +11,7 @@ import numpy as np
 from handgen.checks import hanging
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.checks.surface import Outline, Surface
+from handgen.checks.sections import Outline, Triangles
 from handgen.geometry.palm import facing
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
@@ -63,8 +63,8 @@ class Printed:
         return np.array(facing(self.part.up))[:, [1, 2, 0]]
 
     @cached_property
-    def surface(self) -> Surface:
-        return Surface.of(self.part.mesh).seen_from(self.rotation)
+    def surface(self) -> Triangles:
+        return Triangles.of(self.part.mesh).seen_from(self.rotation)
 
     @cached_property
     def bed(self) -> hanging.Bed:
@@ -163,7 +163,7 @@ def _poorest(thickness: np.ndarray, at: np.ndarray, z: float, widest: float) -> 
     return Wall(float(lines[i]), float(thickness[i]), (*at[i].tolist(), z))
 
 
-def slices(surface: Surface) -> list[Layer]:
+def slices(surface: Triangles) -> list[Layer]:
     """A few layers of a part, not at simple fractions of its height: there lie flat faces."""
     low, high = surface.vertices[:, 2].min(), surface.vertices[:, 2].max()
     heights = low + (np.arange(SLICES) + 0.43) / SLICES * (high - low)

@@ -16,7 +16,7 @@ import numpy as np
 from handgen.checks.casting import setups
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.checks.surface import Outline, Surface
+from handgen.checks.sections import Outline, Triangles
 from handgen.geometry.actuator import layers_path
 from handgen.geometry.casting import LAND, Setup
 from handgen.geometry.palm import Hole, facing, seat
@@ -73,10 +73,10 @@ def centring(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     least = limits.get(rule, "least_layer")
     findings, thinnest, loosest = [], (float("inf"), ""), None
     for setup, (a, b, base, cap, *cores) in setups(hand, parts, *HANGING):
-        mould = [Surface.of(half.mesh) for half in (a, b)]
+        mould = [Triangles.of(half.mesh) for half in (a, b)]
         for core in cores:
-            surface = Surface.of(core.mesh)
-            play = _play(setup, mould, Surface.of(base.mesh), Surface.of(cap.mesh), surface, limits)
+            surface = Triangles.of(core.mesh)
+            play = _play(setup, mould, Triangles.of(base.mesh), Triangles.of(cap.mesh), surface, limits)
             left, stray, x = min(_layers_left(setup, mould, surface, core.role, play))
             thinnest = min(thinnest, (left, f"{core.name}, which may stray by {stray:.2f} mm at x = {x:.0f}"))
             if left < least.value - ROUNDING:
@@ -89,7 +89,7 @@ def centring(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
                   findings + [loosest] * (loosest is not None))
 
 
-def _layers_left(setup: Setup, mould: list[Surface], core: Surface, role: str,
+def _layers_left(setup: Setup, mould: list[Triangles], core: Triangles, role: str,
                  play: Play) -> list[tuple[float, float, float]]:
     """(silicone left on the thin side mm, eccentricity mm, x) along the core.
 
@@ -107,7 +107,7 @@ def _layers_left(setup: Setup, mould: list[Surface], core: Surface, role: str,
     return result
 
 
-def _cavity(setup: Setup, mould: list[Surface], x: float) -> tuple[np.ndarray, float]:
+def _cavity(setup: Setup, mould: list[Triangles], x: float) -> tuple[np.ndarray, float]:
     """(centre, radius) of the closed mould's cavity at x, in (y, z)."""
     cuts = [half.section(0, x) for half in mould]
     both = Outline(np.vstack([c.start for c in cuts]), np.vstack([c.end for c in cuts]))
@@ -115,13 +115,13 @@ def _cavity(setup: Setup, mould: list[Surface], x: float) -> tuple[np.ndarray, f
     return both.where(_farthest(both) < setup.base + LAND / 2).facing(False).circle()
 
 
-def _play(setup: Setup, mould: list[Surface], base: Surface, cap: Surface, core: Surface,
+def _play(setup: Setup, mould: list[Triangles], base: Triangles, cap: Triangles, core: Triangles,
           limits: Limits) -> Play:
     middle = (setup.seat + setup.top) / 2
-    shank = core.section(0, middle).radii().max()
+    shank = _shank(core.section(0, middle))
     hub = cap.section(0, middle).facing(False)
     bore = hub.where(_farthest(hub) < setup.hub).radii().min()
-    clearance = float(bore - shank)
+    clearance = max(0.0, float(bore) - shank)
     # The skirt's inside against the halves' outside, halfway down the skirt.
     down = setup.top + setup.skirt / 2
     room = (_half_width(cap.section(0, down), inside=True)
@@ -139,6 +139,14 @@ def _play(setup: Setup, mould: list[Surface], base: Surface, cap: Surface, core:
         foot_play = (float(hole.radii().min() - core.section(0, foot).radii().max())
                      + around - _half_width(mould[0].section(0, setup.length - 2.0), inside=False))
     return Play(clearance, float(room), float(lean), float(loose), middle, foot, foot_play)
+
+
+def _shank(cut: Outline) -> float:
+    """Radius of a round section about its own centre, whatever slots are cut into it."""
+    points = np.vstack([cut.start, cut.end])
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    far = cut.radii(centre).reshape(2, -1).min(axis=0)
+    return float(cut.where(far > far.max() - 0.1).circle()[1])
 
 
 def _farthest(cut: Outline) -> np.ndarray:
@@ -214,7 +222,7 @@ class Fit:
 
 def _fits(setup: Setup, plug: Part, collar: Part, actuator: Part, bore: float, limits: Limits):
     """All fits of one actuator's seal, the plug's squeeze first."""
-    shank, ring, inner = (Surface.of(p.mesh) for p in (plug, collar, actuator))
+    shank, ring, inner = (Triangles.of(p.mesh) for p in (plug, collar, actuator))
     zero, free = Limit(0.0, "mm", "parts cannot overlap"), Limit(float("inf"), "mm", "")
     at = setup.seal.plug_length / 2
     channel, outside = _radius(inner, at, False), _radius(shank, at, True)
@@ -253,22 +261,22 @@ class Sockets:
         self.hand, self.parts = hand, parts
 
     @cached_property
-    def palm(self) -> Surface | None:
+    def palm(self) -> Triangles | None:
         """The hand's mesh, a left one mirrored, as all frames are those of a right hand."""
         part = self.parts.get("exoskeleton/hand")
         if part is None:
             return None
-        surface = Surface.of(part.mesh)
+        surface = Triangles.of(part.mesh)
         if self.hand.side == "right":
             return surface
-        return Surface(surface.vertices * (1.0, -1.0, 1.0), surface.faces[:, ::-1])
+        return Triangles(surface.vertices * (1.0, -1.0, 1.0), surface.faces[:, ::-1])
 
     def radius(self, setup: Setup) -> float:
         """Radius of the socket, mm, in the middle of the collar; of a finger alone, at its root."""
         if self.palm is not None:
             return self._in_palm(setup)
         finger = self.parts.get(f"exoskeleton/{setup.name}")
-        return bore_radius(setup) if finger is None else _radius(Surface.of(finger.mesh), 0.5, False)
+        return bore_radius(setup) if finger is None else _radius(Triangles.of(finger.mesh), 0.5, False)
 
     def _in_palm(self, setup: Setup) -> float:
         hole = self._seat(setup.name)
@@ -283,6 +291,6 @@ class Sockets:
         return next(h for h in Hinge(self.hand).bases() if h.name == f"{name} base")
 
 
-def _radius(surface: Surface, x: float, outwards: bool) -> float:
+def _radius(surface: Triangles, x: float, outwards: bool) -> float:
     """Mean radius of a round part's outside, or of its hole, at x."""
     return float(surface.section(0, x).facing(outwards).radii().mean())

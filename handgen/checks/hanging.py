@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handgen.checks.surface import Surface
+from handgen.checks.sections import Triangles
 
 PITCH = 1.0
 """Distance of the places looked at on a patch, mm."""
@@ -60,18 +60,18 @@ class Patch:
         return result
 
 
-def angles(surface: Surface) -> np.ndarray:
+def angles(surface: Triangles) -> np.ndarray:
     """Angle of every face from the vertical, deg: 90 a ceiling, 0 a wall, below 0 a roof."""
     return np.degrees(np.arcsin(np.clip(-surface.normals[:, 2], -1.0, 1.0)))
 
 
-def steep(surface: Surface, limit: float, bed: float) -> np.ndarray:
+def steep(surface: Triangles, limit: float, bed: float) -> np.ndarray:
     """Which faces overhang by more than `limit` deg and lie higher than `bed` mm above the lowest."""
     floor = surface.vertices[:, 2].min() + bed
     return (angles(surface) > limit + EXACT) & (surface.corners[:, :, 2].max(1) > floor + 1e-6)
 
 
-def patches(surface: Surface, hanging: np.ndarray) -> list[Patch]:
+def patches(surface: Triangles, hanging: np.ndarray) -> list[Patch]:
     """The connected patches of the faces `hanging` (a mask)."""
     chosen = np.flatnonzero(hanging)
     if not len(chosen):
@@ -91,7 +91,7 @@ class Bed:
 
     CELL = 1.0
 
-    def __init__(self, surface: Surface):
+    def __init__(self, surface: Triangles):
         below = np.flatnonzero(surface.normals[:, 2] < 0)
         points = np.vstack([_places(surface, below, 0.5 * self.CELL), surface.corners[below].reshape(-1, 3)])
         self.origin = surface.vertices[:, :2].min(0)
@@ -122,7 +122,7 @@ def _connected(faces: np.ndarray) -> list[np.ndarray]:
     return np.split(order, np.flatnonzero(np.diff(labels[:n][order])) + 1)
 
 
-def _edges_that_hold(surface: Surface, hanging: np.ndarray) -> np.ndarray:
+def _edges_that_hold(surface: Triangles, hanging: np.ndarray) -> np.ndarray:
     """Edges (k, 2 vertices) between a hanging face and one that goes on downwards from it."""
     faces, count = surface.faces, len(surface.vertices)
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
@@ -141,7 +141,7 @@ def _edges_that_hold(surface: Surface, hanging: np.ndarray) -> np.ndarray:
     return np.c_[start[edges], end[edges]][down]
 
 
-def _descends(surface: Surface, a: np.ndarray, b: np.ndarray, mine: np.ndarray, other: np.ndarray,
+def _descends(surface: Triangles, a: np.ndarray, b: np.ndarray, mine: np.ndarray, other: np.ndarray,
               faces: np.ndarray) -> np.ndarray:
     """Whether `faces` go down from the edges a-b, straight away from the corners `mine`.
 
@@ -156,7 +156,7 @@ def _descends(surface: Surface, a: np.ndarray, b: np.ndarray, mine: np.ndarray, 
     return np.where(upright, v[other, 2] < (v[a, 2] + v[b, 2]) / 2 - 1e-6, slope < 0)
 
 
-def _places(surface: Surface, faces: np.ndarray, pitch: float = PITCH) -> np.ndarray:
+def _places(surface: Triangles, faces: np.ndarray, pitch: float = PITCH) -> np.ndarray:
     """Points (n, 3) on `faces`, each standing for the same area of about `pitch` squared."""
     until = np.cumsum(surface.areas[faces])
     n = max(1, round(until[-1] / pitch**2))

@@ -82,14 +82,14 @@ class Outline:
 
 
 @dataclass(frozen=True)
-class Surface:
+class Triangles:
     """The triangles of a closed mesh: `vertices` (n, 3) mm, `faces` (m, 3), outward by right hand."""
 
     vertices: np.ndarray
     faces: np.ndarray
 
     @classmethod
-    def of(cls, mesh: trimesh.Trimesh) -> Surface:
+    def of(cls, mesh: trimesh.Trimesh) -> Triangles:
         return cls(np.array(mesh.vertices), np.array(mesh.faces))
 
     @cached_property
@@ -114,14 +114,14 @@ class Surface:
         a, b, c = self.corners.transpose(1, 0, 2)
         return np.cross(b - a, c - a)
 
-    def seen_from(self, rotation, origin=(0.0, 0.0, 0.0)) -> Surface:
+    def seen_from(self, rotation, origin=(0.0, 0.0, 0.0)) -> Triangles:
         """In the frame whose axes are the columns of `rotation`, at `origin`."""
-        return Surface((self.vertices - np.array(origin)) @ np.array(rotation), self.faces)
+        return Triangles((self.vertices - np.array(origin)) @ np.array(rotation), self.faces)
 
-    def where(self, keep: np.ndarray) -> Surface:
+    def where(self, keep: np.ndarray) -> Triangles:
         """Some of the faces, and their vertices only."""
         used, renumbered = np.unique(self.faces[keep], return_inverse=True)
-        return Surface(self.vertices[used], renumbered.reshape(-1, 3))
+        return Triangles(self.vertices[used], renumbered.reshape(-1, 3))
 
     def section(self, axis: int, at: float) -> Outline:
         """The section where coordinate `axis` is `at`, in the two coordinates that follow it.
