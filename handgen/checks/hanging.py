@@ -17,7 +17,7 @@ PITCH = 1.0
 """Distance of the places looked at on a patch, mm."""
 EDGE_PITCH = 0.5
 """Distance of the points that stand for an edge that holds, mm."""
-SECTORS = 16
+SECTORS = 32
 """Directions in which a bridge's two sides are looked for."""
 CHUNK = 200
 """Places judged at once, so that the table of distances stays small."""
@@ -137,23 +137,12 @@ def _edges_that_hold(surface: Triangles, hanging: np.ndarray) -> np.ndarray:
     at = np.searchsorted(keys, (end * count + start)[wanted])
     found = (at < len(keys)) & (keys[np.minimum(at, len(keys) - 1)] == (end * count + start)[wanted])
     edges, beyond = wanted[found], order[at[found]]
-    down = _descends(surface, start[edges], end[edges], opposite[edges], opposite[beyond], beyond // 3)
+    # How the face beyond leaves the edge: square to it, or a slanting edge would mislead.
+    along = surface.vertices[end[edges]] - surface.vertices[start[edges]]
+    leaves = surface.vertices[opposite[beyond]] - surface.vertices[start[edges]]
+    share = np.einsum("ij,ij->i", leaves, along) / np.einsum("ij,ij->i", along, along)
+    down = leaves[:, 2] - share * along[:, 2] < -1e-6
     return np.c_[start[edges], end[edges]][down]
-
-
-def _descends(surface: Triangles, a: np.ndarray, b: np.ndarray, mine: np.ndarray, other: np.ndarray,
-              faces: np.ndarray) -> np.ndarray:
-    """Whether `faces` go down from the edges a-b, straight away from the corners `mine`.
-
-    By a face's slope across the edge; an upright face has none, so its corner `other` tells.
-    """
-    v, normals = surface.vertices, surface.normals[faces]
-    along = (v[b] - v[a])[:, :2]
-    away = np.c_[along[:, 1], -along[:, 0]]
-    away *= -np.sign(np.einsum("ij,ij->i", away, (v[mine] - v[a])[:, :2]))[:, None]
-    upright = np.abs(normals[:, 2]) < 1e-3
-    slope = -np.einsum("ij,ij->i", normals[:, :2], away) / np.where(upright, 1.0, normals[:, 2])
-    return np.where(upright, v[other, 2] < (v[a, 2] + v[b, 2]) / 2 - 1e-6, slope < 0)
 
 
 def _places(surface: Triangles, faces: np.ndarray, pitch: float = PITCH) -> np.ndarray:
