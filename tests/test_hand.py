@@ -68,7 +68,7 @@ def test_one_body_of_195_mm_that_fits_the_printer(adult, part):
     assert high[0] == pytest.approx(195.0, abs=0.05)
     assert np.all(high - low < adult.printing.build_volume)
     assert 130 < high[1] - low[1] < 180 and 30 < high[2] - low[2] < 55
-    assert facts.volume_mm3 == pytest.approx(CAD_VOLUME, rel=0.2)
+    assert facts.volume_mm3 == pytest.approx(CAD_VOLUME, rel=0.1)
     assert len(content) < 10e6
 
 
@@ -305,8 +305,8 @@ def study(folder, count):
     return sum(built) / count
 
 
-def test_ten_random_hands(tmp_path):
-    study(tmp_path, 10)
+def test_five_random_hands(tmp_path):
+    study(tmp_path, 5)
 
 
 @pytest.mark.slow

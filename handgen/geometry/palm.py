@@ -29,8 +29,6 @@ finger is united with it exactly, and two surfaces that nearly coincide make sli
 STUB = 2.0
 """How far past the root plane the skin follows a finger, mm; farther, the blend would fill the
 narrow space between two neighbours."""
-KNUCKLE = 0.0
-"""How much fuller than a finger's root its knuckle is before it is blended, mm."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +211,7 @@ def _knuckle(hand: Hand, name: str) -> Ellipsoid:
     """Fullness on the back of a root; its blend ends before the first slot."""
     finger = getattr(hand.fingers, name)
     rows, _ = finger_placement(hand, name)
-    radius = finger.base_outer_diameter / 2 + KNUCKLE
+    radius = finger.base_outer_diameter / 2
     reach = first_slot(finger) - MARGIN - 0.6 * hand.palm.blend
     x, y, z = on_axis(hand, name, reach - 1.2 * radius)
     return Ellipsoid(rows, (x, y, z + 1.0), (1.2 * radius, radius, radius))

@@ -35,8 +35,8 @@ class Palm(Model):
     seat_clearance: float = quantity(
         "mm", 0.02, 0.5, "radial clearance of the seat behind the root against the bore", default=0.05,
         assumed="lets the collar, pressed in, stop square to the bore")
-    blend: float = quantity("mm", 0.5, 25, "radius of the blends between palm, fingers, thumb", default=7.0,
-                            assumed="looks like skin; shorter than the distance to the first slot")
+    blend: float = quantity("mm", 0.5, 25, "radius of the blends between palm, fingers, thumb", default=5.0,
+                            assumed="looks like skin and brings the hand near the volume of Eq. 5.1")
     web: float = quantity("mm", 0, 20, "how far the webs reach past the finger roots", default=5.0,
                           assumed="ends before the first slot begins")
     resolution: float = quantity("mm", 0.3, 2, "grid pitch of the blended skin", default=0.8,
