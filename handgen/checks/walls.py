@@ -15,7 +15,7 @@ from handgen.checks.voids import FIT, STEP, Void, regions, voids
 from handgen.geometry.palm import PART as HAND
 from handgen.geometry.part import Part
 from handgen.geometry.surface import Surface
-from handgen.geometry.thickness import PARALLEL, Gauge, Spot
+from handgen.geometry.thickness import PARALLEL, ROUNDING, Gauge, Spot
 from handgen.parameters.model import Hand
 
 CAST = "actuator"
@@ -24,8 +24,10 @@ THINNEST = 0.02
 """Share of its surface under which a part is thinnest, when sound parts are compared: letters are less."""
 THICK = 6.0
 """Two bores that are farther apart share no wall, mm."""
-OFF = 0.1
-"""How far off a wall's face it is asked which bore lies there, mm; chords are 20 times nearer."""
+OFF = (0.1, 1.0, 2.0)
+"""How far off a wall's face it is asked which bore lies there, mm: a bore may lie beside its place."""
+GONE = 0.1
+"""A bore's wall that is farther away than drawn by this, mm, is not there; chords are 20 times nearer."""
 
 
 def minimum(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
@@ -40,7 +42,7 @@ def minimum(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
         least, handled = least_wall(hand, part, limits), _handled(part, limits)
         gauge = Gauge(part.mesh)
         for spot in gauge.thin_spots(max(least.value, handled.value if handled else 0.0)):
-            limit = least if spot.thickness < least.value or not handled else handled
+            limit = least if spot.thickness < least.value - ROUNDING or not handled else handled
             findings.append(_thin(part, spot, limit, "error" if limit is least else "warning"))
         walls = gauge.walls.thickness[gauge.walls.parallel > PARALLEL]
         margin = np.quantile(walls, THINNEST) - least.value if len(walls) else np.inf
@@ -88,9 +90,7 @@ def between_bores(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outc
     part = parts.get(HAND)
     if part is None:
         return skipped(rule, "no hand in this build")
-    nozzle = hand.printing.hand.nozzle_size
-    lines = limits.get(rule, "lines", *_kinds(part))
-    limit = Limit(lines.value * nozzle, "mm", f"{lines.value:g} lines of {nozzle:g} mm: {lines.source}")
+    limit = least_between(hand, limits)
     known, gauge = voids(hand), Gauge(_right(hand, part))
     walls = gauge.walls.where((gauge.walls.parallel > PARALLEL) & (gauge.walls.thickness < THICK))
     owners = [sorted({v.owner for v in known}).index(v.owner) for v in known]
@@ -107,6 +107,14 @@ def between_bores(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outc
             findings.append(_shared(hand, part, spot, limit, [known[end] for end in ends]))
     measured = min([f.measured for f in findings], default=float(walls.thickness[between].min()))
     return judged(rule, measured, limit.value, "thinnest wall between two bores", findings)
+
+
+def least_between(hand: Hand, limits: Limits) -> Limit:
+    """The drawn thickness, mm, that a wall between two bores of the hand must have."""
+    process = hand.printing.hand
+    lines = limits.get("wall.between-bores", "lines", process.material, "hand")
+    return Limit(lines.value * process.nozzle_size, "mm",
+                 f"{lines.value:g} lines of {process.nozzle_size:g} mm: {lines.source}")
 
 
 def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
@@ -126,7 +134,7 @@ def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
     findings, largest = [], 0.0
     for void in known:
         origins, directions, distances, share = void.wall()
-        gone = surface.sight(origins, directions) > distances + OFF
+        gone = surface.sight(origins, directions) > distances + GONE
         wall = origins + distances[:, None] * directions
         for name in set(void.into) - {void.name}:
             for place in places.get(name, ()):
@@ -155,10 +163,10 @@ def _own(hand: Hand, point: np.ndarray) -> tuple[float, float, float]:
 
 def _beside(known: list[Void], points: np.ndarray, outward: np.ndarray) -> np.ndarray:
     """Number of the void that lies off each wall's face; -1: none of them."""
-    off = points + OFF * outward
     found = np.full(len(points), -1)
-    for number, void in enumerate(known):
-        found[void.holds(off)] = number
+    for off in reversed(OFF):
+        for number, void in enumerate(known):
+            found[void.holds(points + off * outward)] = number
     return found
 
 

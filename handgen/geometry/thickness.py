@@ -39,6 +39,8 @@ FINE = 60.0
 """Samples per mm2 that measure a thin place: an eighth of a millimetre apart."""
 MOST = 120_000
 """Fine samples at most; a part that is thin all over is sampled more coarsely."""
+ROUGHLY = 30_000
+"""The same where only the thinnest place is wanted: a small spot shows at a limit below it, finely."""
 SEARCH = 1.4
 """Coarse samples up to this multiple of the limit are looked at closely: a ray along the normal
 overestimates by up to 1 / FACING, and a spot may be thinnest between samples."""
@@ -131,13 +133,16 @@ class Gauge:
         if not len(known):
             return None
         limit, highest = 1.1 * known.min() + 0.05, 1.1 * known.max() + 0.1
-        while not (spots := self.thin_spots(limit)) and limit < highest:
+        while not (spots := self.thin_spots(limit, ROUGHLY)) and limit < highest:
             limit *= 1.5
         return spots[0] if spots else None
 
-    def thin_spots(self, limit: float) -> list[Spot]:
-        """Places thinner than `limit` mm and at least BREADTH broad, the thinnest first."""
-        walls, density = self._close_look(limit)
+    def thin_spots(self, limit: float, most: int = MOST) -> list[Spot]:
+        """Places thinner than `limit` mm and at least BREADTH broad, the thinnest first.
+
+        `most`: samples at most; the broader the thin places, the fewer it takes to see them.
+        """
+        walls, density = self._close_look(limit, most)
         thin = walls.thickness < limit - ROUNDING
         walls, core = _opened(walls, thin, self._edges, 1.0 / math.sqrt(density))
         labels = _clusters(walls, 3.0 / math.sqrt(density))
@@ -146,14 +151,14 @@ class Gauge:
                  for label in np.unique(labels[seeds])]
         return sorted((s for s in spots if s.thickness < limit - ROUNDING), key=lambda s: s.thickness)
 
-    def _close_look(self, limit: float) -> tuple[Readings, float]:
+    def _close_look(self, limit: float, most: int) -> tuple[Readings, float]:
         """(readings around every place that may be thinner than `limit`, samples per mm2)."""
         reach = SEARCH * limit
         contacts = self._contacts.where(self._contacts.thickness < reach)
         places = np.vstack([self.walls.points[self.walls.thickness < reach], contacts.points])
         if not len(places):
             return self.walls.where(slice(0)), FINE
-        points, faces, density = self.surface.samples_around(places, AROUND, FINE, MOST)
+        points, faces, density = self.surface.samples_around(places, AROUND, FINE, most)
         return _with_edges(self._read(points, faces), contacts), density
 
     def _read(self, points: np.ndarray, faces: np.ndarray, turns: int = TURNS) -> Readings:
