@@ -16,6 +16,8 @@ from handgen.geometry.actuator import actuator
 from handgen.geometry.casting import Setup
 from handgen.geometry.finger import exoskeleton
 from handgen.geometry.mesh_kernel import evaluate, printable
+from handgen.geometry.palm import seat
+from handgen.geometry.part import Part
 from handgen.geometry.tooling import tooling
 from tests.variant import changed, limits, named
 
@@ -64,6 +66,11 @@ class TestDemould:
         cone = surface(csg.cone(5.0, 3.0, 0.0, 40.0))
         assert undercut(cone.vertices, -1)[0] == pytest.approx(0, abs=1e-6)
         assert undercut(cone.vertices, 1)[0] == pytest.approx(2, abs=1e-3)
+
+    def test_a_salience_at_the_tip_is_none(self, adult):
+        hand = changed(adult, casting__tip="filled afterwards", casting__tip_fill=1.5)
+        outcome = demould(hand, made(hand), standard())
+        assert outcome.status == "pass" and outcome.measured == pytest.approx(0, abs=1e-5)
 
     def test_draft_of_a_cone(self):
         slope = math.degrees(math.atan(2 / 40))
@@ -285,6 +292,21 @@ class TestSeal:
         squeeze = seal(adult, little, standard()).measured
         for more, status in ((1e-4, "fail"), (0.0, "pass")):
             assert seal(adult, little, limits("seal.fit", least_squeeze=squeeze + more)).status == status
+
+    @pytest.mark.parametrize("side", ["right", "left"])
+    @pytest.mark.parametrize("wider, status", [(0.05, "pass"), (0.2, "fail")])
+    def test_a_hand_is_measured_where_the_collar_sits(self, adult, little, side, wider, status):
+        """A block with the seat's hole stands for the hand; on the left it is the mirror image."""
+        hand = changed(adult, side=side, palm__seat_clearance=wider)
+        hole = seat(hand, "little", hand.seal.collar_length)
+        middle = np.add(hole.start, hole.end) / 2
+        block = csg.box((-7, -12, -12), (7, 12, 12)).moved(*middle.tolist()) - hole.shape
+        shape = block.mirrored("y") if side == "left" else block
+        palm = Part("exoskeleton/hand", "exoskeleton", "Ninjaflex", shape, (1, 1, 1), "palm")
+        outcome = seal(hand, little | {palm.name: palm}, standard())
+        assert outcome.status == status
+        if status == "fail":
+            assert outcome.findings[0].measured == pytest.approx(wider + hand.seal.collar_fit, abs=0.01)
 
     def test_a_plug_that_lost_its_wall(self, adult, little):
         drill = csg.cylinder(2.0, 7.0, 20.0)

@@ -76,7 +76,8 @@ def undercut(vertices: np.ndarray, pull: np.ndarray) -> tuple[float, np.ndarray]
     # Half a 256th of a turn aside, so that corners of circles stay clear of the sectors' borders.
     turn = np.arctan2(vertices[:, 2], vertices[:, 1]) / (2 * np.pi) + 1 / 512
     sector = np.floor(turn % 1.0 * SECTORS).astype(int)
-    order = np.lexsort((pull * vertices[:, 0], sector))
+    # Rings of a flat end lie at one x: the narrower one passes first.
+    order = np.lexsort((radius, np.round(pull * vertices[:, 0], 4), sector))
     depth, where = 0.0, vertices[0]
     for rows in np.split(order, np.flatnonzero(np.diff(sector[order])) + 1):
         hangs = np.maximum.accumulate(radius[rows]) - radius[rows]

@@ -103,7 +103,7 @@ def line_width(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome
         if wall:
             findings.append(_odd(item, wall, low, least))
         elif item.process.infill_pattern == "concentric":
-            wall = min((w for layer in layers if (w := layer.poorest(high))), default=None)
+            wall = min((w for layer in layers if (w := layer.poorest(low, high))), default=None)
             findings += [_lines(item, wall, widest)] if wall else []
         if wall and (poorest is None or wall.line / low < poorest[0]):
             poorest = (wall.line / low, wall, low, item.part.name)
@@ -136,9 +136,10 @@ class Layer:
     thickness: np.ndarray
     at: np.ndarray
 
-    def poorest(self, widest: float) -> Wall | None:
-        """The wall that takes the thinnest lines, where none may be wider than `widest`."""
-        return _poorest(self.thickness, self.at, self.z, widest) if len(self.thickness) else None
+    def poorest(self, low: float, high: float) -> Wall | None:
+        """The wall that takes the thinnest lines, of those that lines of `low` to `high` mm fill."""
+        filled = line_for(self.thickness, high) >= low - ROUNDING
+        return _poorest(self.thickness[filled], self.at[filled], self.z, high) if filled.any() else None
 
     def odd(self, low: float, high: float, detail: float) -> list[Wall]:
         """Walls whose lines are thinner than `low`, each at least `detail` mm long.
