@@ -29,8 +29,18 @@ from handgen.geometry.skin import Limb, Skin, fitted_loft
 from handgen.geometry.thumb import Hinge
 from handgen.parameters.model import Hand
 
+FAR = 300.0
+"""Beyond every hand, mm."""
+CLEARING = (0.8, 30.0)
+"""How far around a finger, and along it from its first slot, its neighbours' skin is cleared, mm."""
+
 
 def hand_part(hand: Hand) -> Part:
+    """The exoskeleton of the whole hand; a left hand is the right one's mirror image.
+
+    Raises:
+        GeometryError: there is no palm, or fingers, walls or hinge do not go together.
+    """
     if hand.palm is None:
         raise GeometryError(PART, "palm", "a hand needs a palm")
     hinge = Hinge(hand) if hand.opposition else None
@@ -56,8 +66,9 @@ def _unblended(hand: Hand, hinge: Hinge | None) -> csg.Shape:
     return csg.Union(tuple(solids))
 
 
-def _assembled(hand, body, hinge):
-    wrist = csg.box((-200.0, -200.0, -200.0), (0.0, 200.0, 200.0))
+def _assembled(hand: Hand, body: csg.Shape, hinge: Hinge | None) -> csg.Shape:
+    """`body` with all that is cut from it, and the exact fingers."""
+    wrist = csg.box((-FAR, -FAR, -FAR), (0.0, FAR, FAR))
     cuts = [wrist, *junctions(hand)]
     cuts += [h.shape for h in channels(hand)]
     cuts += [seat(hand, n, hand.seal.collar_length + 2 * MARGIN).shape for n in row(hand)]
@@ -74,8 +85,9 @@ def _assembled(hand, body, hinge):
     return whole.mirrored("y") if hand.side == "left" else whole
 
 
-def _clearing(hand, name):
+def _clearing(hand: Hand, name: str) -> csg.Shape:
+    """Where no skin may be: around a finger from just before its first slot."""
     f = getattr(hand.fingers, name)
     start = first_slot(f) - MARGIN
-    around = csg.cylinder(f.base_outer_diameter / 2 + 0.8, start, start + 30.0)
+    around = csg.cylinder(f.base_outer_diameter / 2 + CLEARING[0], start, start + CLEARING[1])
     return around.placed(*finger_placement(hand, name))
