@@ -97,17 +97,18 @@ class Surface:
         """
         from scipy.spatial import cKDTree
 
-        tree = cKDTree(places)
-        pieces, face = self.corners, np.arange(len(self.faces))
-        while True:
+        # One place a cell of a quarter of the reach is enough to know what is near.
+        cells = np.floor(places / (reach / 4)).astype(int)
+        tree = cKDTree(places[np.unique(cells, axis=0, return_index=True)[1]])
+        pieces, face, found = self.corners, np.arange(len(self.faces)), []
+        while len(pieces):
             middles = pieces.mean(axis=1)
             sizes = np.sqrt(((pieces - middles[:, None]) ** 2).sum(axis=2).max(axis=1))
-            close = tree.query(middles)[0] < sizes + reach
-            pieces, face, large = pieces[close], face[close], sizes[close] > reach
-            if not large.any():
-                break
-            pieces = np.concatenate([pieces[~large], halves(pieces[large])])
-            face = np.concatenate([face[~large], face[large], face[large]])
+            close = tree.query(middles, distance_upper_bound=sizes.max() + reach)[0] < sizes + reach
+            large = close & (sizes > reach)
+            found.append((pieces[close & ~large], face[close & ~large]))
+            pieces, face = halves(pieces[large]), np.tile(face[large], 2)
+        pieces, face = (np.concatenate(part) for part in zip(*found, strict=True))
         a, b, c = pieces.transpose(1, 0, 2)
         area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
         density = min(density, most / max(area, 1e-9))
