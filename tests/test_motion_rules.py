@@ -135,7 +135,14 @@ class TestInterference:
         outcome = interference(hand, fingers(hand, "index", "middle"), standard())
         assert outcome.status == status
         if status == "fail":
-            assert outcome.findings[0].measured == pytest.approx(0.69, abs=2e-3)
+            finding, = outcome.findings
+            assert finding.measured == pytest.approx(0.69, abs=2e-3)
+            assert finding.where[1] == pytest.approx(20.69 / 2, abs=0.3) and abs(finding.where[2]) < 1.5
+
+    def test_on_a_left_hand_the_place_is_mirrored(self, plain):
+        hand = changed(plain, side="left", fingers__index__placement__root=[80.0, 20.4, 0.0])
+        finding, = interference(hand, fingers(hand, "index", "middle"), standard()).findings
+        assert finding.where[1] == pytest.approx(-10.2, abs=0.3)
 
     def test_fingers_that_are_rolled_towards_one_another_meet_when_they_curl(self, adult):
         hand = rolled(adult)

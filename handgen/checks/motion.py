@@ -49,12 +49,12 @@ def interference(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
     least, most = limits.get(rule, "least_gap"), limits.get(rule, "overlap")
     findings, nearest, overlap = [], Meeting("", SEARCH), 0.0
     for a, b in _neighbours(fingers):
-        worst = rest = _meet(a, b, "as printed", a.poses(_still(a)), b.poses(_still(b)), SEARCH)
+        worst = rest = _meet(a, b, "as printed", a.poses(_still(a)), b.poses(_still(b)), Meeting("", SEARCH))
         if rest.gap < least.value - ROUNDING:
             findings.append(_too_near(rule, a, b, rest, least))
         if "thumb" not in (a.name, b.name):
             for pose in _sweep(a, b, limits, rule):
-                worst = min(worst, _meet(a, b, *pose, worst.gap), key=lambda m: (m.gap, -m.overlap))
+                worst = min(worst, _meet(a, b, *pose, worst), key=lambda m: (m.gap, -m.overlap))
         if worst.overlap > most.value + ROUNDING:
             findings.append(_overlapping(rule, a, b, worst, most))
         overlap, nearest = max(overlap, worst.overlap), min(nearest, worst, key=lambda m: m.gap)
@@ -92,12 +92,12 @@ def _sweep(a: CurlingFinger, b: CurlingFinger, limits: Limits, rule: str):
 
 
 def _meet(a: CurlingFinger, b: CurlingFinger, pose: str, poses_a: list, poses_b: list,
-          bound: float) -> Meeting:
+          worst: Meeting) -> Meeting:
     """Gap of the phalanges' hulls; where these touch, the overlap of the phalanges themselves.
 
-    Gaps of `bound` mm and more are only known to be at least that.
+    A pose that is no worse than `worst` is measured only as far as it takes to see that.
     """
-    pose, gap, touching = f"{a.name} and {b.name} {pose}", bound, []
+    pose, gap, touching = f"{a.name} and {b.name} {pose}", worst.gap, []
     hulls_a = [h.transform(t) for h, t in zip(a.hulls, poses_a, strict=True)]
     hulls_b = [h.transform(t) for h, t in zip(b.hulls, poses_b, strict=True)]
     for i, first in enumerate(hulls_a):
@@ -110,6 +110,8 @@ def _meet(a: CurlingFinger, b: CurlingFinger, pose: str, poses_a: list, poses_b:
                 touching.append((i, j))
     if not touching:
         return Meeting(pose, gap)
+    if sum((hulls_a[i] ^ hulls_b[j]).volume() for i, j in touching) <= worst.overlap:
+        return Meeting(pose, 0.0)
     shared = [a.phalanges[i].transform(poses_a[i]) ^ b.phalanges[j].transform(poses_b[j])
               for i, j in touching]
     volumes = [s.volume() for s in shared]
@@ -130,7 +132,7 @@ def _too_near(rule: str, a: CurlingFinger, b: CurlingFinger, rest: Meeting, limi
         rule, "error", "exoskeleton/hand", rest.gap, limit.value, limit.unit,
         f"{a.name} and {b.name} are printed {rest.gap:.2f} mm apart: the walls may fuse",
         f"move fingers.{b.name}.placement.root or change its splay", limit.source,
-        rest.where or tuple(map(float, b.finger.placement.root)))
+        _as_built(a.hand, rest.where or _nearest(a, b)))
 
 
 def _overlapping(rule: str, a: CurlingFinger, b: CurlingFinger, worst: Meeting, limit: Limit) -> Finding:
@@ -138,7 +140,24 @@ def _overlapping(rule: str, a: CurlingFinger, b: CurlingFinger, worst: Meeting, 
         rule, "error", "exoskeleton/hand", worst.overlap, limit.value, limit.unit,
         f"{worst.overlap:.1f} mm3 would be filled twice: {worst.pose}",
         f"spread fingers.{a.name}.placement and fingers.{b.name}.placement (root, splay, roll)",
-        limit.source, worst.where)
+        limit.source, _as_built(a.hand, worst.where))
+
+
+def _nearest(a: CurlingFinger, b: CurlingFinger) -> tuple[float, float, float]:
+    """The middle between the nearest corners of two fingers' meshes as printed, right hand's frame."""
+    from scipy.spatial import cKDTree
+
+    first, second = (
+        f.surface.vertices @ pose[:, :3].T + pose[:, 3] for f in (a, b) for pose in f.poses(_still(f))[:1])
+    distance, at = cKDTree(second).query(first)
+    i = int(np.argmin(distance))
+    return tuple(((first[i] + second[at[i]]) / 2).tolist())
+
+
+def _as_built(hand: Hand, point: tuple[float, float, float]) -> tuple[float, float, float]:
+    """A point of the right hand's frame on the hand that is built: a left one is the mirror image."""
+    x, y, z = point
+    return (x, -y if hand.side == "left" else y, z)
 
 
 def strain(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
