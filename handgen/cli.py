@@ -78,7 +78,7 @@ def _build_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _build(arguments: argparse.Namespace, output: Output) -> int:
-    from handgen.build import build
+    from handgen.builder import build
 
     result = build(arguments.params, out=arguments.out, parts=arguments.parts, verify=arguments.verify,
                    progress=output.note, workers=arguments.workers)

@@ -14,16 +14,16 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from handgen.build import build
-from handgen.build.pool import Workers
-from handgen.build.store import Store
+from handgen.builder import build
+from handgen.builder.pool import Workers
+from handgen.builder.store import Store
 from handgen.errors import EngineError, GeometryError, InputError
 from handgen.geometry.catalogue import catalogue, select
 
 PARAMS = Path(__file__).parent.parent / "params"
 SMALL = PARAMS / "thesis_finger.yaml"
 TOOLS = ("mould_a", "mould_b", "mould_base", "core_large", "core_small", "suspender", "plug", "collar")
-RUN = "import sys; from handgen.build import build; build(sys.argv[1], out=sys.argv[2], parts=sys.argv[3:])"
+RUN = "import sys; from handgen.builder import build; build(sys.argv[1], out=sys.argv[2], parts=sys.argv[3:])"
 
 
 @pytest.fixture(scope="module")
@@ -126,7 +126,7 @@ def test_damage_is_mended_and_the_rest_reused(built, copy):
 
 
 def test_new_code_rebuilds(copy, monkeypatch):
-    from handgen.build import plan
+    from handgen.builder import plan
 
     loaded = plan.plan(*_hand_and_parts())
     monkeypatch.setattr(plan, "salt", lambda: "an upgrade")
@@ -262,7 +262,7 @@ def _refuse():
 
 def test_failed_part_leaves_the_old_build(built, copy, tmp_path, monkeypatch):
     """A part that cannot be made: nothing changes, no staging folder stays."""
-    from handgen.build import jobs
+    from handgen.builder import jobs
 
     monkeypatch.setattr(jobs, "make", _refuse_part)
     (copy / "exoskeleton/index.stl").write_bytes(b"damaged")
@@ -303,7 +303,7 @@ def _fake(store, content):
 
 
 def test_without_exchange_a_kill_between_the_renames_is_mended(tmp_path, monkeypatch):
-    from handgen.build import store as module
+    from handgen.builder import store as module
 
     out = tmp_path / "hand"
     _fake(Store(out), b"old")
@@ -329,7 +329,7 @@ def test_without_exchange_a_kill_between_the_renames_is_mended(tmp_path, monkeyp
 
 def test_second_build_waits_for_the_first(tmp_path):
     out = tmp_path / "hand"
-    code = ("import sys, time; from pathlib import Path; from handgen.build.store import Store\n"
+    code = ("import sys, time; from pathlib import Path; from handgen.builder.store import Store\n"
             "with Store(Path(sys.argv[1])).locked(lambda: None):\n"
             "    print('held', flush=True); time.sleep(1.0)")
     holder = subprocess.Popen([sys.executable, "-c", code, out], stdout=subprocess.PIPE, text=True)

@@ -12,7 +12,7 @@ import jsonschema
 import pytest
 
 import handgen
-import handgen.build
+import handgen.builder
 from handgen import cli
 from handgen.errors import EngineError, GeometryError
 from tests.strategies import PARAMS
@@ -42,7 +42,7 @@ def build(monkeypatch):
             calls.append((arguments, options))
             return action(options) if callable(action) else action
 
-        monkeypatch.setattr(handgen.build, "build", fake)
+        monkeypatch.setattr(handgen.builder, "build", fake)
         return calls
 
     return replace
@@ -261,10 +261,10 @@ def test_closed_standard_streams_are_no_error():
 
 def test_ctrl_c_ends_cleanly(tmp_path):
     """While a build waits for the writer of a parameter file that never comes."""
-    code = ("import sys, time, handgen.build\n"
+    code = ("import sys, time, handgen.builder\n"
             "def slow(*args, **options):\n"
             "    options['progress']('started'); time.sleep(60)\n"
-            "handgen.build.build = slow\n"
+            "handgen.builder.build = slow\n"
             "from handgen.cli import main\n"
             "sys.exit(main(['build', 'x.yaml']))")
     process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, cwd=tmp_path)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from handgen.build import jobs
+from handgen.builder import jobs
 from handgen.checks import everything
 from handgen.checks.printing import overhang
 from handgen.errors import GeometryError

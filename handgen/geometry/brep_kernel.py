@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
+import math
 from typing import TYPE_CHECKING
 
 from handgen.geometry import csg
 from handgen.geometry.lettering import outlines
 
 if TYPE_CHECKING:
-    from cadquery import Shape, Wire
+    from cadquery import Edge, Shape, Wire
 
 
 def evaluate(shape: csg.Shape) -> Shape:
@@ -65,16 +66,32 @@ def _evaluate(shape: csg.Shape) -> Shape:
 
 
 def _wire(path: csg.Path) -> Wire:
-    from cadquery import Edge, Vector, Wire
+    from cadquery import Vector, Wire
 
     edges, at = [], Vector(*path.start, 0)
     for segment in (*path.segments, (path.start,)):
         points = [at, *(Vector(*p, 0) for p in segment)]
         if (points[-1] - at).Length < 1e-7:
             continue
-        edges.append(Edge.makeBezier(points) if len(points) > 2 else Edge.makeLine(*points))
+        edges.append(_edge(points))
         at = points[-1]
     return Wire.assembleEdges(edges)
+
+
+def _edge(points) -> Edge:
+    """A line, a true circular arc where the cubic stands for a quarter of one, or a Bezier curve."""
+    from cadquery import Edge
+
+    if len(points) == 2:
+        return Edge.makeLine(*points)
+    start, c1, c2, end = points
+    out, back = (c1 - start) / csg.QUARTER_ARC, (c2 - end) / csg.QUARTER_ARC
+    if abs(out.dot(back)) < 1e-9 and abs(out.Length - back.Length) < 1e-9 \
+            and (start + out - end - back).Length < 1e-9:
+        centre = start - back
+        middle = centre + (start + end - centre * 2) / math.sqrt(2.0)
+        return Edge.makeThreePointArc(start, middle, end)
+    return Edge.makeBezier(points)
 
 
 def _text(text: str, size: float, height: float) -> Shape:

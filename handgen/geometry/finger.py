@@ -47,7 +47,7 @@ def shape(finger: Finger, fillet: float) -> csg.Shape:
     profile = FingerProfile(finger)
     if any(j.rest_angle for j in finger.joints):
         return _curled(profile, fillet)
-    cuts = tuple(cut for j in finger.joints for cut in slot(profile, j, fillet))
+    cuts = tuple(slot(profile, j, fillet) for j in finger.joints)
     return csg.Difference(csg.Revolve(tube(profile)), cuts)
 
 
@@ -72,7 +72,7 @@ def envelope(profile: FingerProfile, start: float = 0.0) -> csg.Path:
     return path.quarter((f.outer_length, profile.outer.pieces[-1].y1), (f.outer_length, 0.0))
 
 
-def slot(profile: FingerProfile, joint: Joint, wanted_fillet: float) -> tuple[csg.Shape, csg.Shape]:
+def slot(profile: FingerProfile, joint: Joint, wanted_fillet: float) -> csg.Shape:
     """What is cut away at a joint: all but the palmar arc, with rounded corners at the strip.
 
     The open side is the union of two half-spaces, each bounded by the radial plane through one
@@ -92,7 +92,8 @@ def slot(profile: FingerProfile, joint: Joint, wanted_fillet: float) -> tuple[cs
     prism = csg.Extrude(outline, 2 * reach).moved(z=-reach)
     s, c = math.sin(half_arc), math.cos(half_arc)
     side = prism.placed(((1, 0, 0), (0, -c, -s), (0, s, -c)), (start, 0.0, 0.0))
-    return side, side.mirrored("y")
+    # One cutter, not two: OCCT then finds each of its edges on the tube once.
+    return side + side.mirrored("y")
 
 
 def _curled(profile: FingerProfile, fillet: float) -> csg.Shape:
@@ -101,7 +102,7 @@ def _curled(profile: FingerProfile, fillet: float) -> csg.Shape:
     joints = profile.finger.joints
     pieces = []
     for i, (start, end) in enumerate(axis.phalanges):
-        cuts = [cut for j in joints[max(i - 1, 0):i + 1] for cut in slot(profile, j, fillet)]
+        cuts = [slot(profile, j, fillet) for j in joints[max(i - 1, 0):i + 1]]
         phalanx = csg.Difference(csg.Revolve(tube(profile, start, end)), tuple(cuts))
         rotation, origin = axis.placement(start)
         pieces.append(phalanx.moved(x=-start).placed(rotation, origin))

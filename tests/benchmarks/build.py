@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 PARAMS = Path(__file__).parents[2] / "params" / "adult.yaml"
-BUILD = "import sys; from handgen.build import build; build(sys.argv[1], out=sys.argv[2])"
+BUILD = "import sys; from handgen.builder import build; build(sys.argv[1], out=sys.argv[2])"
 STL_OF = """
 import sys
 from pathlib import Path

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from handgen import __version__, checks
-from handgen.build import jobs, pictures
-from handgen.build.pictures import View
-from handgen.build.plan import Planned, digests, groups, kept, plan
-from handgen.build.pool import Workers, default_count
-from handgen.build.store import CHECKS, MANIFEST, Store
+from handgen.builder import jobs, pictures
+from handgen.builder.pictures import View
+from handgen.builder.plan import Planned, digests, groups, kept, plan
+from handgen.builder.pool import Workers, default_count
+from handgen.builder.store import CHECKS, MANIFEST, Store
 from handgen.errors import EngineError
 from handgen.export import manifest
 from handgen.geometry.actuator import adaptations

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from handgen.build.plan import Planned, salt
+from handgen.builder.plan import Planned, salt
 from handgen.export import glb, preview
 from handgen.geometry import csg
 from handgen.geometry.assembly import assembly

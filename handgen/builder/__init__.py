@@ -1,5 +1,5 @@
 """From a parameter file to its folder: parts, files, previews, manifest."""
 
-from handgen.build.build import build
+from handgen.builder.build import build
 
 __all__ = ["build"]

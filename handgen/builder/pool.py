@@ -18,14 +18,14 @@ from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
 from typing import Any
 
-from handgen.build.libraries import explain
+from handgen.builder.libraries import explain
 from handgen.errors import EngineError, GeometryError
 
 Job = tuple[str, Callable[..., Any], tuple]
 """(name for people, importable function, its arguments)."""
 
 START = ("import sys; sys.path[:] = {path!r}; "
-         "from handgen.build.pool import serve; serve({descriptor})")
+         "from handgen.builder.pool import serve; serve({descriptor})")
 MEMORY_PER_WORKER = 0.75e9
 """Bytes: a worker with its kernels loaded and a hand in the making."""
 

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from handgen.build.store import Store
+from handgen.builder.store import Store
 from handgen.geometry import csg
 from handgen.geometry.actuator import thread_path
 from handgen.geometry.part import Part
@@ -97,7 +97,7 @@ def _thread(hand: Hand, name: str) -> bytes:
 def salt() -> str:
     """Hash of the code that makes files of parts, so that an upgrade rebuilds what it may change."""
     package = Path(__file__).parent.parent
-    sources = sorted(f for folder in ("geometry", "export", "build") for f in (package / folder).glob("*.py"))
+    sources = sorted(f for folder in ("geometry", "export", "builder") for f in (package / folder).glob("*.py"))
     state = hashlib.sha256()
     for source in sources:
         state.update(f"{source.relative_to(package)}\n".encode() + source.read_bytes())
