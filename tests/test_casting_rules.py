@@ -308,6 +308,14 @@ class TestSeal:
         if status == "fail":
             assert outcome.findings[0].measured == pytest.approx(wider + hand.seal.collar_fit, abs=0.01)
 
+    def test_a_collar_too_wide_to_press_in(self, adult, little):
+        radius = adult.fingers.little.base_bore_diameter / 2 + 0.3
+        parts = with_shape(little, "tooling/little/collar", lambda s: csg.Union(
+            (s, csg.cylinder(radius, -7.0, -1.0) - csg.cylinder(radius - 1.0, -8.0, 0.0))))
+        finding, = seal(adult, parts, standard()).findings
+        assert "room in the bore is too small" in finding.message
+        assert finding.measured == pytest.approx(-0.3, abs=0.01)
+
     def test_a_plug_that_lost_its_wall(self, adult, little):
         drill = csg.cylinder(2.0, 7.0, 20.0)
         parts = with_shape(little, "tooling/little/plug", lambda s: s - drill)

@@ -74,6 +74,15 @@ class TestHingeStrain:
         value, _ = strip_strain(CurlingFinger(plain, "index", part), 1, math.radians(100))
         assert value == pytest.approx(expected, rel=0.01)
 
+    def test_rounded_corners_shorten_the_strip_but_by_less_than_their_radii(self, plain):
+        values = []
+        for radius in (0.0, 2.0):
+            hand = changed(plain, exoskeleton__joint_fillet=radius)
+            finger = CurlingFinger(hand, "index", exoskeleton(hand, "index"))
+            values.append(strip_strain(finger, 1, 1.0)[0])
+        length = plain.fingers.index.joints[1].slot_length
+        assert 1.05 * values[0] < values[1] < values[0] * length / (length - 2 * 2.0)
+
     def test_the_strip_is_measured_on_the_mesh(self, plain):
         """A strip that is thicker on the mesh than in the parameters is strained more."""
         joint = plain.fingers.index.joints[1]

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from handgen.checks.fff import Printed, line_for, line_width, overhang, slices
+from handgen.checks.fff import line_for, line_width, overhang, slices
 from handgen.checks.hanging import Bed, angles, patches, steep
 from handgen.checks.limits import standard
 from handgen.checks.sections import Triangles
@@ -40,9 +40,7 @@ def errors(outcome):
 class TestLineWidth:
     @pytest.mark.parametrize("wall", [0.4, 0.8, 1.7, 3.1])
     def test_walls_of_a_tube(self, wall):
-        standing = Printed.__new__(Printed)
         layers = slices(surface(tube(8.0, wall)).seen_from(np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0]])))
-        assert isinstance(standing, Printed)
         for layer in layers:
             assert layer.thickness.min() == pytest.approx(wall, abs=0.012)
             assert layer.thickness.max() < wall + 0.05
@@ -84,12 +82,18 @@ class TestLineWidth:
             outcome = line_width(hand, named(plug), standard())
             assert ("fail" if errors(outcome) else "pass") == status
 
-    def test_letters_are_no_walls(self, adult):
-        """Strokes of half a millimetre stand on this plate; no wall of it is that thin."""
-        text = csg.Text("Little b", 5.0, 1.0).placed(csg.rotation("x", 90), (0.0, 0.2, 2.0))
-        plate = csg.box((-15, 0, -5), (15, 8, 5))
-        outcome = line_width(adult, part(csg.Union((plate, text))), standard())
-        assert not [f for f in outcome.findings if f.severity != "info"]
+    @pytest.mark.parametrize("deep, status", [(0.6, "pass"), (5.0, "fail")])
+    def test_strokes_of_letters_are_no_walls(self, adult, deep, status):
+        """Ribs of half a millimetre, as the letters of a label or as fins, on a plate."""
+        ribs = [csg.box((x, -deep, -4), (x + 0.5, 1.0, 4)) for x in range(-12, 12, 3)]
+        plate = csg.Union((csg.box((-15, 0, -5), (15, 8, 5)), *ribs))
+        assert line_width(adult, part(plate, role="mould_a"), standard()).status in (status, "skipped")
+        assert bool(line_width(adult, part(plate, role="mould_a"), standard()).findings) == (status == "fail")
+
+    def test_a_sharp_edge_is_no_wall(self, adult):
+        wedge = csg.Extrude(csg.Path.polygon([(0, 0), (15, 0), (0, 15)]), 20.0)
+        parts = part(wedge, role="exoskeleton", name="exoskeleton/index")
+        assert line_width(adult, parts, standard()).status == "skipped"
 
     @pytest.mark.parametrize("layer, status", [(0.2, "pass"), (0.2625, "pass"), (0.263, "fail")])
     def test_a_layer_too_thick(self, adult, layer, status):
