@@ -92,7 +92,7 @@ class TestDemould:
             values[groove] = demould(hand, made(hand), standard())
         assert values[False].status == "pass"
         assert values[True].status == "fail"
-        assert values[True].measured == pytest.approx(0.2, abs=0.02)
+        assert values[True].measured == pytest.approx(0.2, abs=0.02) and values[True].limit == 0.1
         assert "groove" in findings(values[True], "core_large")[0].fix
 
     @pytest.mark.parametrize("factor, status", [(1.001, "pass"), (1.0, "pass"), (0.99, "fail")])

@@ -46,24 +46,24 @@ def setups(hand: Hand, parts: Mapping[str, Part], *roles: str) -> Iterator[tuple
 def demould(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     """Both cores come out of the silicone: no undercut, no widening, nothing torn, nothing broken."""
     rule = "core.demould"
-    findings, worst, unknown, cores = [], 0.0, set(), 0
+    findings, worst, unknown = [], [], set()
     for setup, (large, small) in setups(hand, parts, "core_large", "core_small"):
         for core in (large, small):
-            cores += 1
             whole = Triangles.of(core.mesh)
             surface = whole.where(whole.corners[:, :, 0].max(1) > setup.top)
-            depth, found = _undercut(setup, core, surface, limits)
-            worst = max(worst, depth)
+            depth, limit, found = _undercut(setup, core, surface, limits)
+            worst.append((depth - limit, depth, limit))
             findings += [*found, *_draft(setup, core, surface, limits)]
             pull = Pull.of(setup, core, surface, limits)
             findings += _broken(setup, core, pull, limits, unknown)
             findings += _torn(setup, core, pull, limits, unknown)
-    if not cores:
+    if not worst:
         return skipped(rule, "no cores")
-    reason = f"deepest undercut of {cores} cores"
+    reason = f"worst undercut of {len(worst)} cores"
     if unknown:
         reason += "; not judged, no strength known: " + ", ".join(sorted(unknown))
-    return judged(rule, worst, limits.get(rule, "undercut").value, reason, findings)
+    _, depth, limit = max(worst)
+    return judged(rule, depth, limit, reason, findings)
 
 
 def undercut(vertices: np.ndarray, pull: np.ndarray) -> tuple[float, np.ndarray]:
@@ -87,17 +87,19 @@ def undercut(vertices: np.ndarray, pull: np.ndarray) -> tuple[float, np.ndarray]
     return depth, where
 
 
-def _undercut(setup: Setup, core: Part, surface: Triangles, limits: Limits) -> tuple[float, list[Finding]]:
+def _undercut(setup: Setup, core: Part, surface: Triangles,
+              limits: Limits) -> tuple[float, float, list[Finding]]:
+    """(depth, its limit, the finding if it is deeper), mm."""
     limit = limits.get("core.demould", "undercut", core.role)
     points = surface.vertices
     flank = points[(points[:, 0] >= -ROUNDING) & (np.hypot(points[:, 1], points[:, 2]) > APEX)]
     depth, where = undercut(flank, -1)
     if depth <= limit.value + ROUNDING:
-        return depth, []
+        return depth, limit.value, []
     fix = (f"wind without a groove ({setup.path}.thread.groove: false) or take a thinner thread"
            if core.role == "core_large" and setup.thread.groove
            else f"let {setup.path} narrow towards its tip everywhere")
-    return depth, [Finding(
+    return depth, limit.value, [Finding(
         "core.demould", "error", core.name, depth, limit.value, limit.unit,
         f"the cast hangs {depth:.2f} mm behind the core", fix, limit.source, tuple(where.tolist()))]
 
