@@ -173,6 +173,14 @@ def test_areas():
         assert spot.middle[2] == pytest.approx(-1.1, abs=1e-3)
 
 
+@pytest.mark.parametrize("radius, wall", [(0.6, 0.35), (0.6, 0.55), (0.8, 0.5)])
+def test_ball_ended_pit(radius, wall):
+    """As small a pit as is found: below it the surface faces no flat ground."""
+    shape, _ = ball_end(wall, radius)
+    spots = gauge(shape).thin_spots(0.7)
+    assert len(spots) == 1 and spots[0].thickness == pytest.approx(wall, abs=ACCURACY)
+
+
 def test_histogram_weighs_by_area():
     counts = gauge(block(40, 30, 2)).histogram(np.array([0, 1.9, 2.1, 29, 31, 39, 41]))
     assert counts == pytest.approx([0, 2400, 0, 160, 0, 120], rel=0.05)

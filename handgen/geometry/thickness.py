@@ -53,8 +53,10 @@ EDGE_STEP = 0.2
 ASTRIDE = math.sin(math.radians(15.0))
 """A line to a sharp inner edge must meet both its faces at more than this: along a step's side runs
 no wall."""
-TURNS = 2
-"""Times that a ray is turned square to the surface that it struck."""
+TURNS = 3
+"""Times that a ray is turned towards the square to the surface that it struck."""
+GLANCING = 0.3
+"""Cosine up to which a struck surface may show the way to a nearer one that faces."""
 NEIGHBOURS = 12
 """Nearest readings looked at for the edge of a spot: those of the wall's far side do not count."""
 ABREAST = 0.5
@@ -166,18 +168,23 @@ class Gauge:
         surface, normals = self.surface, self.surface.normals[faces]
         inward = -normals
         thickness, far, parallel = surface.shoot(points, inward)
-        wall = (far >= 0) & (parallel > FACING)
+        # The side of a small pit is struck first; its bottom, which faces, is found from there.
+        index = np.flatnonzero((parallel > GLANCING) & (parallel < 1.0 - 1e-9))
+        wall = parallel > FACING
         thickness, parallel = np.where(wall, thickness, np.inf), np.where(wall, parallel, -1.0)
-        direction, towards = inward.copy(), parallel.copy()
-        index = np.flatnonzero(wall & (parallel < 1.0 - 1e-9))
+        direction, towards, aim = inward.copy(), parallel.copy(), inward[index]
+        struck = far[index]
         for _ in range(turns):
-            aim = surface.normals[far[index]]
+            # Halfway only: all the way, it would swing from side to side of a sharp bend.
+            aim = aim + surface.normals[struck]
+            aim /= np.linalg.norm(aim, axis=1)[:, None]
             distance, struck, square = surface.shoot(points[index], aim)
             facing = np.einsum("ij,ij->i", surface.normals[struck], inward[index])
             better = (struck >= 0) & (facing > FACING) & (distance < thickness[index] - 1e-6)
-            index, aim = index[better], aim[better]
-            thickness[index], far[index], towards[index] = distance[better], struck[better], square[better]
-            parallel[index], direction[index] = facing[better], aim
+            at = index[better]
+            thickness[at], direction[at], towards[at] = distance[better], aim[better], square[better]
+            parallel[at] = facing[better]
+        wall = parallel > FACING
         opposite = points + np.where(wall, thickness, 0.0)[:, None] * direction
         return Readings(points, normals, thickness, opposite, parallel, towards)
 
