@@ -92,21 +92,23 @@ def between_bores(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outc
         return skipped(rule, "no hand in this build")
     limit = least_between(hand, limits)
     known, gauge = voids(hand), Gauge(_right(hand, part))
-    walls = gauge.walls.where((gauge.walls.parallel > PARALLEL) & (gauge.walls.thickness < THICK))
-    owners = [sorted({v.owner for v in known}).index(v.owner) for v in known]
-    one, two = (np.array([*owners, -1])[_beside(known, points, outward)] for points, outward in
-                ((walls.points, walls.normals), (walls.opposite, -walls.normals)))
-    between = (one >= 0) & (two >= 0) & (one != two)
-    if not between.any():
+    walls = gauge.walls + gauge.contacts
+    walls = walls.where((walls.parallel > PARALLEL) & (walls.thickness < THICK))
+    owners = np.array([*(sorted({v.owner for v in known}).index(v.owner) for v in known), -1])
+    one, two = _beside(known, walls.points, walls.normals), _beside(known, walls.opposite, -walls.normals)
+    between = np.flatnonzero((one >= 0) & (two >= 0) & (owners[one] != owners[two]))
+    if not len(between):
         return judged(rule, None, limit.value, f"no wall between two bores is thinner than {THICK:g} mm", [])
+    thinnest = between[walls.thickness[between].argmin()]
     findings = []
     for spot in gauge.thin_spots(limit.value):
         line = np.subtract(spot.opposite, spot.point) / max(spot.thickness, 1e-9)
         ends = _beside(known, np.array([spot.point, spot.opposite]), np.array([-line, line]))
         if min(ends) >= 0 and owners[ends[0]] != owners[ends[1]]:
             findings.append(_shared(hand, part, spot, limit, [known[end] for end in ends]))
-    measured = min([f.measured for f in findings], default=float(walls.thickness[between].min()))
-    return judged(rule, measured, limit.value, "thinnest wall between two bores", findings)
+    measured = min([float(walls.thickness[thinnest]), *(f.measured for f in findings)])
+    return judged(rule, measured, limit.value,
+                  f"thinnest between {known[one[thinnest]].name} and {known[two[thinnest]].name}", findings)
 
 
 def least_between(hand: Hand, limits: Limits) -> Limit:
@@ -164,9 +166,10 @@ def _own(hand: Hand, point: np.ndarray) -> tuple[float, float, float]:
 def _beside(known: list[Void], points: np.ndarray, outward: np.ndarray) -> np.ndarray:
     """Number of the void that lies off each wall's face; -1: none of them."""
     found = np.full(len(points), -1)
-    for off in reversed(OFF):
+    for off in OFF:
+        left = np.flatnonzero(found < 0)
         for number, void in enumerate(known):
-            found[void.holds(points + off * outward)] = number
+            found[left[void.holds(points[left] + off * outward[left])]] = number
     return found
 
 

@@ -130,7 +130,7 @@ class Gauge:
 
         Found by raising a limit until a spot as broad as BREADTH lies below it.
         """
-        walls = self.walls + self._contacts
+        walls = self.walls + self.contacts
         known = walls.thickness[walls.parallel > PARALLEL]
         if not len(known):
             return None
@@ -156,7 +156,7 @@ class Gauge:
     def _close_look(self, limit: float, most: int) -> tuple[Readings, float]:
         """(readings around every place that may be thinner than `limit`, samples per mm2)."""
         reach = SEARCH * limit
-        contacts = self._contacts.where(self._contacts.thickness < reach)
+        contacts = self.contacts.where(self.contacts.thickness < reach)
         places = np.vstack([self.walls.points[self.walls.thickness < reach], contacts.points])
         if not len(places):
             return self.walls.where(slice(0)), FINE
@@ -193,7 +193,7 @@ class Gauge:
         return self.surface.sharp_edges(EDGE_STEP)
 
     @cached_property
-    def _contacts(self) -> Readings:
+    def contacts(self) -> Readings:
         """What faces the sharp inner edges squarely, read where it is nearest to the edge."""
         inner = self._edges.inner
         points, one, two = (v[inner] for v in (self._edges.points, self._edges.one, self._edges.two))
