@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 from handgen.geometry import csg
 from handgen.geometry.lettering import outlines
 
+SMOOTH = 1e-6
+"""Tolerance of smooth lofts, mm."""
+
 if TYPE_CHECKING:
     from cadquery import Edge, Shape, Wire
 
@@ -45,7 +48,7 @@ def _evaluate(shape: csg.Shape) -> Shape:
         case csg.Text(text, size, height):
             return _text(text, size, height)
         case csg.Loft(sections, smooth):
-            return _loft(sections, smooth)
+            return _skin(shape) if smooth else _ruled(sections)
         case csg.Placed(inner, rotation, origin):
             return _evaluate(inner).moved(_location(rotation, origin))
         case csg.Mirrored(inner, axis):
@@ -107,11 +110,78 @@ def _text(text: str, size: float, height: float) -> Shape:
     )
 
 
-def _loft(sections, smooth: bool) -> Shape:
+def _ruled(sections: tuple[csg.Section, ...]) -> Shape:
     from cadquery import Solid
 
-    wires = [_wire(s.path).moved(_location(s.rotation, s.origin)) for s in sections]
-    return Solid.makeLoft(wires, ruled=not smooth)
+    return Solid.makeLoft(
+        [_wire(s.path).moved(_location(s.rotation, s.origin)) for s in sections], ruled=True)
+
+
+def _skin(loft: csg.Loft) -> Shape:
+    """A smooth loft as one B-spline surface and two plane caps.
+
+    The poles of the sections are interpolated along the loft; OCCT's own lofting fits a surface
+    to every piece of the outline instead, in four times as many faces that cost every boolean.
+    """
+    import numpy as np
+    from cadquery import Edge, Face, Shell, Solid, Wire
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.gp import gp_Pnt
+    from OCP.TColgp import TColgp_Array2OfPnt
+    from scipy.interpolate import make_interp_spline
+
+    poles = np.array([
+        np.c_[_poles(s.path), np.zeros(3 * len(s.path.segments) + 1)] @ np.array(s.rotation).T + s.origin
+        for s in loft.sections])
+    degree = min(3, len(poles) - 1)
+    along = make_interp_spline(loft.stations, poles, k=degree)
+    columns = along.c.transpose(1, 0, 2)
+    net = TColgp_Array2OfPnt(1, columns.shape[0], 1, columns.shape[1])
+    for i, column in enumerate(columns, start=1):
+        for j, pole in enumerate(column.tolist(), start=1):
+            net.SetValue(i, j, gp_Pnt(*pole))
+    pieces = len(loft.sections[0].path.segments)
+    around = _knots(np.arange(pieces + 1.0), np.r_[4, np.full(pieces - 1, 3), 4])
+    down = _knots(*np.unique(along.t, return_counts=True))
+    surface = Geom_BSplineSurface(net, around[0], down[0], around[1], down[1], 3, degree)
+    for inner in range(2, pieces + 1):
+        # Where pieces run on smoothly, as they must, one surface can say so.
+        surface.RemoveUKnot(inner, 2, SMOOTH)
+
+    sewing = BRepBuilderAPI_Sewing(SMOOTH)
+    sewing.Add(BRepBuilderAPI_MakeFace(surface, SMOOTH).Face())
+    for v in (along.t[0], along.t[-1]):
+        rim = Edge(BRepBuilderAPI_MakeEdge(surface.VIso(float(v))).Edge())
+        sewing.Add(Face.makeFromWires(Wire.assembleEdges([rim])).wrapped)
+    sewing.Perform()
+    solid = Solid.makeSolid(Shell(sewing.SewedShape()))
+    return solid.fix()
+
+
+def _poles(path: csg.Path):
+    """Bezier poles (3 n + 1, 2) of a closed path of n cubics, the first repeated as the last.
+
+    Raises:
+        ValueError: the path has straight pieces or is left open.
+    """
+    import numpy as np
+
+    if any(len(segment) == 1 for segment in path.segments) or path.end != path.start:
+        raise ValueError("a smooth loft needs closed sections of cubics only")
+    return np.array([path.start, *(point for segment in path.segments for point in segment)])
+
+
+def _knots(values, counts):
+    """OCCT's arrays of knots and their multiplicities."""
+    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+
+    knots = TColStd_Array1OfReal(1, len(values))
+    times = TColStd_Array1OfInteger(1, len(values))
+    for i, (value, count) in enumerate(zip(values, counts, strict=True), start=1):
+        knots.SetValue(i, float(value))
+        times.SetValue(i, int(count))
+    return knots, times
 
 
 def _location(rotation, origin):

@@ -15,6 +15,7 @@ import hashlib
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from itertools import accumulate, pairwise
 
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
@@ -133,12 +134,18 @@ class Section:
 class Loft(Shape):
     """A skin through sections whose paths have the same segments, capped at both ends.
 
-    `smooth` runs the skin through the sections without edges, on cubic splines; the B-rep's are
-    fitted and differ a little from the mesh's where few sections turn much.
+    `smooth` runs the skin through the sections without edges, on cubic splines over `stations`;
+    such sections are drawn in cubics only, each running on smoothly into the next.
     """
 
     sections: tuple[Section, ...]
     smooth: bool = False
+
+    @property
+    def stations(self) -> tuple[float, ...]:
+        """Where the sections lie along the line through their origins, mm from the first."""
+        steps = (math.dist(a.origin, b.origin) for a, b in pairwise(self.sections))
+        return tuple(accumulate(steps, initial=0.0))
 
 
 @dataclass(frozen=True)

@@ -47,8 +47,8 @@ def evaluate(shape: csg.Shape) -> Manifold:
         case csg.Text(text, size, height):
             rings = [r for outer, holes in outlines(text, size) for r in (outer, *holes)]
             result = _extrude(rings, height)
-        case csg.Loft(sections, smooth):
-            result = _loft(sections, smooth)
+        case csg.Loft():
+            result = _loft(shape)
         case csg.Field(recipe, pitch):
             result = _field(recipe, pitch)
         case csg.Placed(inner, rotation, origin):
@@ -181,10 +181,11 @@ def _cross_section(rings: list):
     return section
 
 
-def _loft(sections: tuple[csg.Section, ...], smooth: bool) -> Manifold:
+def _loft(loft: csg.Loft) -> Manifold:
     """Triangulated skin through the sections; the caps are triangulated in their planes."""
     from manifold3d import Manifold, Mesh64, triangulate
 
+    sections = loft.sections
     steps = np.max([_steps(s.path, CHORD) for s in sections], axis=0)
     rings = [_points(s.path, steps) for s in sections]
     if all(np.hypot(*(r[0] - r[-1])) < 1e-7 for r in rings):
@@ -194,8 +195,8 @@ def _loft(sections: tuple[csg.Section, ...], smooth: bool) -> Manifold:
         np.c_[ring, np.zeros(n)] @ np.array(s.rotation).T + np.array(s.origin)
         for ring, s in zip(rings, sections, strict=True)
     ])
-    if smooth:
-        vertices = _smoothed(vertices.reshape(m, n, 3)).reshape(-1, 3)
+    if loft.smooth:
+        vertices = _smoothed(loft.stations, vertices.reshape(m, n, 3)).reshape(-1, 3)
         m = len(vertices) // n
     i = np.arange(n)
     j = (i + 1) % n
@@ -218,14 +219,12 @@ def _loft(sections: tuple[csg.Section, ...], smooth: bool) -> Manifold:
     return Manifold(Mesh64(vertices, np.array(faces, np.uint64, order="C")))
 
 
-def _smoothed(rings: np.ndarray) -> np.ndarray:
-    """Rings (m, n, 3) with more between them on cubic splines, as OCCT runs a skin through them."""
-    from scipy.interpolate import CubicSpline
+def _smoothed(at: tuple[float, ...], rings: np.ndarray) -> np.ndarray:
+    """Rings (m, n, 3) at the stations `at`, with more between them on cubic splines."""
+    from scipy.interpolate import make_interp_spline
 
-    apart = np.linalg.norm(np.diff(rings, axis=0), axis=2).mean(axis=1)
-    at = np.r_[0.0, np.cumsum(apart)]
     between = np.concatenate([np.linspace(a, b, SMOOTH_STEPS, endpoint=False) for a, b in pairwise(at)])
-    return CubicSpline(at, rings)(np.r_[between, at[-1]])
+    return make_interp_spline(at, rings, k=min(3, len(at) - 1))(np.r_[between, at[-1]])
 
 
 def _field(recipe, pitch: float) -> Manifold:

@@ -79,7 +79,7 @@ def finger_placement(hand: Hand, name: str) -> tuple[tuple, csg.Point3]:
     """(rotation rows, origin) that carry finger `name` from its own frame to a right hand's."""
     place = getattr(hand.fingers, name).placement
     turns = (csg.rotation("z", place.splay), csg.rotation("y", place.palmar_tilt),
-             csg.rotation("x", place.roll))
+             csg.rotation("x", -place.roll))
     rows = np.linalg.multi_dot([np.array(t) for t in turns])
     return tuple(map(tuple, rows.tolist())), tuple(place.root)
 
