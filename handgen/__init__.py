@@ -16,7 +16,11 @@ from importlib import import_module
 __version__ = "0.1.0"
 __all__ = ["build", "load", "parts"]
 
-_HOMES = {"load": "handgen.parameters.load", "build": "handgen.builder", "parts": "handgen.geometry.catalogue"}
+_HOMES = {
+    "load": "handgen.parameters.load",
+    "parts": "handgen.geometry.catalogue",
+    "build": "handgen.builder",
+}
 
 
 def __getattr__(name: str):

@@ -134,9 +134,13 @@ class _Build:
         return True
 
     def _start_views(self, waiting: list[View], rows: dict[str, dict], pool: Workers) -> list[View]:
-        """Queue the views whose parts are all made; the others wait on."""
+        """Queue the views whose parts are all made, those of the same parts together."""
+        ready: dict[tuple[str, ...], list] = {}
         for view in (v for v in waiting if rows.keys() >= set(v.shows)):
-            pool.add([(view.file, view.make, (self.store.stage, view.file))])
+            job = view.file, view.make, (self.store.stage, view.file)
+            ready.setdefault(view.shows, []).append(job)
+        for group in ready.values():
+            pool.add(group)
         return [v for v in waiting if not rows.keys() >= set(v.shows)]
 
     def _shown(self, file: str, result: str | Exception, views: list[View]) -> None:

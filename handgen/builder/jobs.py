@@ -43,7 +43,7 @@ def make(part: Part, stage: Path, extra: dict[str, bytes]) -> Made:
     Raises:
         GeometryError: no closed solid, a fault in the mesh, or kernels that disagree.
     """
-    mesh = part.mesh
+    mesh = part.triangles
     content = stl.to_bytes(mesh)
     facts = measure(read_stl(content))
     for fault in facts.faults():

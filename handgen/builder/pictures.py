@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -127,6 +128,12 @@ def _label(part: Part) -> str:
 
 def _welded(stage: Path, part: Part) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (n, 3) and faces (m, 3) of the part's STL."""
-    corners = read_stl((stage / f"{part.name}.stl").read_bytes())
-    vertices, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    return vertices, faces.reshape(-1, 3)
+    return _read(stage / f"{part.name}.stl")
+
+
+@functools.lru_cache(maxsize=4)
+def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Remembered, because one worker draws the hand from three sides."""
+    corners = np.ascontiguousarray(read_stl(path.read_bytes())).reshape(-1, 3)
+    _, first, faces = np.unique(corners.view("V12"), return_index=True, return_inverse=True)
+    return corners[first], faces.reshape(-1, 3)

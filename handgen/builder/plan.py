@@ -97,7 +97,8 @@ def _thread(hand: Hand, name: str) -> bytes:
 def salt() -> str:
     """Hash of the code that makes files of parts, so that an upgrade rebuilds what it may change."""
     package = Path(__file__).parent.parent
-    sources = sorted(f for folder in ("geometry", "export", "builder") for f in (package / folder).glob("*.py"))
+    folders = ("geometry", "export", "builder")
+    sources = sorted(f for folder in folders for f in (package / folder).glob("*.py"))
     state = hashlib.sha256()
     for source in sources:
         state.update(f"{source.relative_to(package)}\n".encode() + source.read_bytes())

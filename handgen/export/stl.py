@@ -9,12 +9,12 @@ import numpy as np
 from handgen.geometry.measure import HEADER, TRIANGLE
 
 if TYPE_CHECKING:
-    import trimesh
+    from handgen.geometry.mesh_kernel import Triangles
 
 TITLE = b"binary STL of handgen, mm"
 
 
-def to_bytes(mesh: trimesh.Trimesh) -> bytes:
+def to_bytes(mesh: Triangles) -> bytes:
     """The mesh as binary STL: a fixed header, then triangles in the mesh's order."""
     corners = np.asarray(mesh.vertices, np.float32)[mesh.faces]
     a, b, c = corners.astype(float).transpose(1, 0, 2)

@@ -14,7 +14,7 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 
 if TYPE_CHECKING:
-    import trimesh
+    from handgen.geometry.mesh_kernel import Triangles
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time a zip can hold: the same for every file."""
@@ -49,7 +49,7 @@ xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
 """
 
 
-def to_bytes(mesh: trimesh.Trimesh, name: str, material: str, colour: tuple[float, float, float]) -> bytes:
+def to_bytes(mesh: Triangles, name: str, material: str, colour: tuple[float, float, float]) -> bytes:
     """The mesh (mm) as a 3MF package with one object called `name`; `colour` is sRGB 0..1."""
     points = np.asarray(mesh.vertices, np.float32)
     # Nine digits bring back every float32 exactly.

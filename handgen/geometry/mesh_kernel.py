@@ -6,9 +6,10 @@ tessellation is not (its revolved caps have zero-area triangles on the axis).
 
 from __future__ import annotations
 
+import functools
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,6 +32,7 @@ SLIVER = 1e-3
 """Detail below this, mm, is dropped from the mesh before it is rounded for export."""
 
 
+@functools.lru_cache(maxsize=256)
 def evaluate(shape: csg.Shape) -> Manifold:
     """The solid bounded by `shape`, in mm.
 
@@ -75,16 +77,29 @@ def evaluate(shape: csg.Shape) -> Manifold:
     return result
 
 
-def printable(solid: Manifold) -> trimesh.Trimesh:
-    """The triangles of `solid` at the precision of a binary STL (float32), without degenerates.
+class Triangles(NamedTuple):
+    """Vertices (n, 3) float32, mm, and faces (m, 3) of a closed mesh."""
 
-    Rounding to float32 can flatten a sliver, so the rounded mesh is simplified once more; that
-    only takes corners away, it moves none.
+    vertices: np.ndarray
+    faces: np.ndarray
+
+
+def printable(solid: Manifold) -> trimesh.Trimesh:
+    """`triangles` of the solid as a trimesh."""
+    import trimesh
+
+    return trimesh.Trimesh(*triangles(solid), process=False)
+
+
+def triangles(solid: Manifold) -> Triangles:
+    """The mesh of `solid` as a binary STL can hold it.
+
+    Rounding to float32 can flatten a sliver or make two corners one, so the rounded mesh is
+    simplified once more (that only takes corners away, it moves none) until neither is left.
 
     Raises:
-        ValueError: nothing is left, or the solid falls into several bodies.
+        ValueError: nothing is left, the solid falls into several bodies, or keeps slivers.
     """
-    import trimesh
     from manifold3d import Manifold, Mesh
 
     for tolerance in (SLIVER, 4 * SLIVER, 16 * SLIVER):
@@ -101,12 +116,11 @@ def printable(solid: Manifold) -> trimesh.Trimesh:
                 f"the solid falls into {len(bodies)} bodies of "
                 + ", ".join(f"{v:.3g}" for v in sizes[:4]) + " mm3")
         final = rounded.to_mesh()
-        result = trimesh.Trimesh(
-            final.vert_properties[:, :3].astype(float), final.tri_verts.astype(int), process=False)
-        merged = trimesh.Trimesh(result.vertices, result.faces, process=True)
-        welded = len(merged.vertices) < len(result.vertices)
-        if merged.is_watertight and not welded and result.area_faces.min() > FLAT:
-            return result
+        vertices, faces = final.vert_properties[:, :3], final.tri_verts.astype(int)
+        a, b, c = vertices[faces].astype(float).transpose(1, 0, 2)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        if len(np.unique(vertices.view("V12"))) == len(vertices) and areas.min() > FLAT:
+            return Triangles(vertices, faces)
     raise ValueError("rounded to the precision of an STL the mesh keeps slivers")
 
 

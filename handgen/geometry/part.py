@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import cadquery
     import trimesh
 
+    from handgen.geometry.mesh_kernel import Triangles
+
 
 @dataclass(frozen=True)
 class Body:
@@ -49,18 +51,25 @@ class Part:
                            self.up, self.bodies))
 
     @cached_property
-    def mesh(self) -> trimesh.Trimesh:
-        """The triangle mesh that is exported, rounded to what a binary STL can hold.
+    def triangles(self) -> Triangles:
+        """The mesh that is exported: vertices and faces.
 
         Raises:
             GeometryError: the parameters leave no closed solid.
         """
-        from handgen.geometry.mesh_kernel import evaluate, printable
+        from handgen.geometry.mesh_kernel import evaluate, triangles
 
         try:
-            return printable(evaluate(self.shape))
+            return triangles(evaluate(self.shape))
         except ValueError as error:
             raise GeometryError(self.name, self.path, str(error)) from error
+
+    @cached_property
+    def mesh(self) -> trimesh.Trimesh:
+        """`triangles` as a trimesh."""
+        import trimesh
+
+        return trimesh.Trimesh(*self.triangles, process=False)
 
     @cached_property
     def solid(self) -> cadquery.Shape:
