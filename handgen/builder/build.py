@@ -86,6 +86,7 @@ class _Build:
             for row in rows.values():
                 self._keep(row["files"].values())
             with Workers(workers, lock) as pool:
+                pool.warm(len(missing))
                 self._make(missing, pictures.views(self.loaded.hand, self.loaded.sha256, present), rows, pool)
             ordered = [rows[p.part.name] for p in present]
             report = checks.everything(self.loaded.hand, ordered)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 AGREEMENT = 0.005
 """Largest difference of a mesh's volume from its B-rep's, as a share (contract)."""
-INTEGRAL = 1e-5
+INTEGRAL = 1e-4
 """Share to which OCCT integrates a B-rep's volume."""
 HAND = "exoskeleton/hand"
 BLENDED_NOTE = (f"{HAND}.step is the unblended body: its step_volume_mm3 was held against the mesh of "

@@ -14,6 +14,7 @@ import sys
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,11 @@ class Workers:
     def __exit__(self, *_) -> None:
         for pipe in list(self.processes):
             self._end(pipe)
+
+    def warm(self, count: int) -> None:
+        """Start workers for `count` jobs to come; they load the kernels while the jobs are planned."""
+        for _ in range(min(self.count, count) - len(self.processes)):
+            self._start()
 
     def add(self, group: list[Job]) -> None:
         """Queue jobs that one worker shall do in order."""
@@ -129,6 +135,10 @@ def _available_memory() -> float:
 def serve(descriptor: int) -> None:
     """A worker's life: take a job, do it, answer; ends with the pipe or with its parent."""
     _die_with_parent()
+    # A kernel that cannot be loaded is reported by the first job that needs it.
+    with contextlib.suppress(ImportError):
+        for kernel in ("cadquery", "manifold3d"):
+            import_module(kernel)
     pipe = Connection(descriptor)
     while True:
         try:

@@ -17,9 +17,9 @@ from handgen.errors import EngineError
 Solid = tuple[np.ndarray, np.ndarray, tuple[float, float, float]]
 """Vertices (n, 3) in mm, faces (m, 3), sRGB colour 0..1."""
 
-WIDTH = 1200
+WIDTH = 1000
 """Of every picture, pixels."""
-TALLEST = 1600
+TALLEST = 1300
 """Height that the parts of a picture may take, pixels; captions come on top."""
 MARGIN, GAP, LINE = 32, 28, 36
 """Around the sheet, between cells, and the height of a label, pixels."""

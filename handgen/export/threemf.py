@@ -68,5 +68,5 @@ def to_bytes(mesh: Triangles, name: str, material: str, colour: tuple[float, flo
                            ("3D/3dmodel.model", model)):
             entry = zipfile.ZipInfo(path, EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(entry, text.encode(), compresslevel=6)
+            archive.writestr(entry, text.encode(), compresslevel=3)
     return package.getvalue()
