@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: help hand test test-slow lint format bench clean
+.PHONY: help hand test test-slow lint format bench pictures clean
 .DEFAULT_GOAL := help
 
 help:  ## show this list
@@ -37,6 +37,9 @@ format: $(READY)  ## mend what style can mend by itself
 
 bench: $(READY)  ## time the build (prints a table)
 	$(BIN)/python -m tests.benchmarks.build
+
+pictures: hand  ## renew the README's pictures from the previews of the adult hand
+	cp $(foreach p,hand_palm hand_dorsum hand_side actuators tooling_index,outputs/adult/previews/$(p).png) docs/
 
 clean:  ## remove .venv and caches; outputs/ stays
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis .import_linter_cache *.egg-info

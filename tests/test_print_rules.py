@@ -37,6 +37,11 @@ def errors(outcome):
     return [f for f in outcome.findings if f.severity == "error"]
 
 
+def standing(hand):
+    """The index finger on its root: its layers are plain rings."""
+    return {"exoskeleton/index": dataclasses.replace(exoskeleton(hand, "index"), up=(1.0, 0.0, 0.0))}
+
+
 class TestLineWidth:
     @pytest.mark.parametrize("wall", [0.4, 0.8, 1.7, 3.1])
     def test_walls_of_a_tube(self, wall):
@@ -63,13 +68,13 @@ class TestLineWidth:
 
     @pytest.mark.parametrize("more, status", [(1e-3, "fail"), (0.0, "pass"), (-1e-3, "pass")])
     def test_at_the_limit(self, adult, more, status):
-        parts = {"exoskeleton/index": exoskeleton(adult, "index")}
+        parts = standing(adult)
         line = line_width(adult, parts, standard()).measured
         own = limits("print.line-width", least_line=line / 0.35 + more)
         assert line_width(adult, parts, own).status == status
 
     def test_fingers_are_two_millimetres_of_lines(self, adult):
-        outcome = line_width(adult, {"exoskeleton/index": exoskeleton(adult, "index")}, standard())
+        outcome = line_width(adult, standing(adult), standard())
         info, = outcome.findings
         assert outcome.status == "pass" and info.severity == "info"
         assert info.measured == pytest.approx(2.0 / 0.35, abs=0.05)
@@ -98,7 +103,7 @@ class TestLineWidth:
     @pytest.mark.parametrize("layer, status", [(0.2, "pass"), (0.2625, "pass"), (0.263, "fail")])
     def test_a_layer_too_thick(self, adult, layer, status):
         hand = changed(adult, printing__finger__layer_height=layer)
-        outcome = line_width(hand, {"exoskeleton/index": exoskeleton(hand, "index")}, standard())
+        outcome = line_width(hand, standing(hand), standard())
         assert outcome.status == status
         if status == "fail":
             assert "printing.finger.layer_height" in errors(outcome)[0].fix

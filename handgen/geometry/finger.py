@@ -38,8 +38,18 @@ def exoskeleton(hand: Hand, name: str) -> Part:
         shape=shape(finger, hand.exoskeleton.joint_fillet),
         colour=COLOUR,
         path=f"fingers.{name}",
-        up=(1.0, 0.0, 0.0),
+        up=lying(finger),
     )
+
+
+def lying(finger: Finger) -> tuple[float, float, float]:
+    """Up on the print bed: palm down, the palmar side level from base to tip.
+
+    The slots then open upwards; standing on its root, every phalanx but the first would begin
+    in the air.
+    """
+    fall = (finger.base_outer_diameter - finger.tip_outer_diameter) / 2 / finger.inner_length
+    return (-fall / math.hypot(fall, 1.0), 0.0, 1.0 / math.hypot(fall, 1.0))
 
 
 def shape(finger: Finger, fillet: float) -> csg.Shape:
