@@ -51,6 +51,8 @@ def files(draw: st.DrawFn, fingers_only: bool = False) -> dict:
         data["assumed"] = {k: v for k, v in data["assumed"].items() if k.startswith("fingers.")}
     else:
         del data["palm"]["length"]
+        # The actuators drawn here have no thread of their own.
+        del data["assumed"]["actuators.little.thread.pitch"]
     _stack(draw, data)
     data["exoskeleton"] = {"joint_fillet": draw(number(0, 3))}
     return data

@@ -88,7 +88,8 @@ class TestDemould:
     def test_a_deep_groove_for_a_thick_thread_holds_the_core(self, adult):
         values = {}
         for groove in (False, True):
-            hand = changed(adult, thread__diameter=0.4, thread__groove=groove)
+            hand = changed(adult, actuators__little__thread__diameter=0.4,
+                           actuators__little__thread__groove=groove)
             values[groove] = demould(hand, made(hand), standard())
         assert values[False].status == "pass"
         assert values[True].status == "fail"
@@ -97,7 +98,7 @@ class TestDemould:
 
     @pytest.mark.parametrize("factor, status", [(1.001, "pass"), (1.0, "pass"), (0.99, "fail")])
     def test_undercut_at_the_limit(self, adult, factor, status):
-        hand = changed(adult, thread__groove=True)
+        hand = changed(adult, actuators__little__thread__groove=True)
         parts = made(hand)
         depth = demould(hand, parts, standard()).measured
         assert depth == pytest.approx(0.075, abs=0.01)
