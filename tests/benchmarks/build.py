@@ -89,6 +89,7 @@ def warm(pattern: str) -> float:
 
 def _warm(pattern: str) -> float:
     from handgen.export import stl
+    from handgen.geometry import mesh_kernel
     from handgen.geometry.catalogue import catalogue, select
     from handgen.parameters.load import load
 
@@ -97,6 +98,7 @@ def _warm(pattern: str) -> float:
     if pattern == "exoskeleton/hand":
         # Loads marching cubes.
         stl.to_bytes(catalogue(hand)["exoskeleton/hand"].mesh)
+    mesh_kernel.evaluate.cache_clear()
     start = time.perf_counter()
     parts = catalogue(hand)
     for name in select(parts, [pattern]):
