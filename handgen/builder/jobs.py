@@ -61,7 +61,17 @@ def make(part: Part, stage: Path, extra: dict[str, bytes]) -> Made:
     step.write(Path(f"{target}.step"), target.name, solids)
     digests = {f"{part.name}{ending}": hashlib.sha256(data).hexdigest() for ending, data in files.items()}
     digests[f"{part.name}.step"] = hashlib.sha256(Path(f"{target}.step").read_bytes()).hexdigest()
+    _forget(part)
     return Made(facts, volume, dict(sorted(digests.items())))
+
+
+def _forget(part: Part) -> None:
+    """Give back what the kernels remember; only the hand's fingers are made a second time."""
+    from handgen.geometry import brep_kernel, mesh_kernel
+
+    mesh_kernel.forget()
+    if part.role != "exoskeleton":
+        brep_kernel.forget()
 
 
 def _compare(part: Part, facts: Facts, solids: list[cadquery.Shape]) -> float:

@@ -64,6 +64,11 @@ def _evaluate(shape: csg.Shape) -> Shape:
             raise TypeError(f"no B-rep for a {type(shape).__name__}")
 
 
+def forget() -> None:
+    """Let go of all solids that `evaluate` remembers."""
+    _evaluate.cache_clear()
+
+
 def _boolean(kind: str, first: csg.Shape, others: tuple[csg.Shape, ...]) -> Shape:
     """OCCT's Fuse, Cut or Common, told to tell faces apart by oriented boxes (a tenth faster).
 

@@ -77,6 +77,11 @@ def evaluate(shape: csg.Shape) -> Manifold:
     return result
 
 
+def forget() -> None:
+    """Let go of all solids that `evaluate` remembers."""
+    evaluate.cache_clear()
+
+
 class Triangles(NamedTuple):
     """Vertices (n, 3) float32, mm, and faces (m, 3) of a closed mesh."""
 

@@ -14,7 +14,6 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from pathlib import Path
 
@@ -35,28 +34,23 @@ CASES = {
     "hand mesh at palm.resolution": ("exoskeleton/hand", 3.0),
     "one tooling set, STL": ("tooling/index", None),
 }
-INTERVAL = 0.05
+INTERVAL = 0.1
 
 
-def timed(command: list[str]) -> tuple[float, float]:
-    """(wall seconds, peak resident bytes of the process and all its descendants)."""
+def timed(command: list[str]) -> float:
+    """Wall seconds of a whole process."""
     start = time.perf_counter()
-    process = subprocess.Popen(command)
-    peak, done = [0.0], threading.Event()
+    subprocess.run(command, check=True)
+    return time.perf_counter() - start
 
-    def watch():
-        while not done.wait(INTERVAL):
-            peak[0] = max(peak[0], tree_memory(process.pid))
 
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    code = process.wait()
-    wall = time.perf_counter() - start
-    done.set()
-    watcher.join()
-    if code:
-        raise SystemExit(f"{command[:3]} ended with {code}")
-    return wall, peak[0]
+def peak(command: list[str]) -> float:
+    """Peak resident bytes of the process and all its descendants; watching slows it, so no time."""
+    process, most = subprocess.Popen(command), 0.0
+    while process.poll() is None:
+        most = max(most, tree_memory(process.pid))
+        time.sleep(INTERVAL)
+    return most
 
 
 def tree_memory(root: int) -> float:
@@ -98,7 +92,7 @@ def _warm(pattern: str) -> float:
     if pattern == "exoskeleton/hand":
         # Loads marching cubes.
         stl.to_bytes(catalogue(hand)["exoskeleton/hand"].mesh)
-    mesh_kernel.evaluate.cache_clear()
+    mesh_kernel.forget()
     start = time.perf_counter()
     parts = catalogue(hand)
     for name in select(parts, [pattern]):
@@ -110,7 +104,8 @@ def table(rounds: int) -> list[str]:
     rows = ["| what | cold, s | warm, s | to reach, s | peak memory, MB |", "|---|---|---|---|---|"]
     for title, (pattern, target) in CASES.items():
         cold = [timed([sys.executable, "-c", STL_OF, str(PARAMS), pattern]) for _ in range(rounds)]
-        rows.append(row(title, cold, [warm(pattern) for _ in range(rounds)], target))
+        memory = peak([sys.executable, "-c", STL_OF, str(PARAMS), pattern])
+        rows.append(row(title, cold, [warm(pattern) for _ in range(rounds)], target, memory))
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "adult"
         command = [sys.executable, "-c", BUILD, str(PARAMS), str(out)]
@@ -118,17 +113,17 @@ def table(rounds: int) -> list[str]:
         for _ in range(rounds):
             shutil.rmtree(out, ignore_errors=True)
             everything.append(timed(command))
-        rows.append(row("everything, process start included", everything, None, 25.0))
         unchanged = [timed(command) for _ in range(rounds)]
-        rows.append(row("everything again, nothing changed", unchanged, None, 2.0))
+        idle = peak(command)
+        shutil.rmtree(out)
+        rows.append(row("everything, process start included", everything, [], 25.0, peak(command)))
+        rows.append(row("everything again, nothing changed", unchanged, [], 2.0, idle))
     return rows
 
 
-def row(title: str, cold: list, warmed: list | None, target: float | None) -> str:
-    wall = statistics.median(seconds for seconds, _ in cold)
-    memory = max(size for _, size in cold) / 1e6
-    return (f"| {title} | {wall:.2f} | {f'{statistics.median(warmed):.2f}' if warmed else ''} "
-            f"| {target or ''} | {memory:.0f} |")
+def row(title: str, cold: list[float], warmed: list[float], target: float | None, memory: float) -> str:
+    again = f"{statistics.median(warmed):.2f}" if warmed else ""
+    return f"| {title} | {statistics.median(cold):.2f} | {again} | {target or ''} | {memory / 1e6:.0f} |"
 
 
 def machine() -> str:
