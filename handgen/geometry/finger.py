@@ -61,17 +61,13 @@ def shape(finger: Finger, fillet: float) -> csg.Shape:
     return csg.Difference(csg.Revolve(tube(profile)), cuts)
 
 
-def tube(profile: FingerProfile, start: float = 0.0, end: float | None = None) -> csg.Path:
-    """Meridian of the finger without slots between two x, in (x, radius); no end: to the tip."""
-    f = profile.finger
-    stop = f.inner_length if end is None else end
-    outer, bore = profile.outer.between(start, stop), profile.bore.between(start, stop)
-    path = csg.Path((start, bore(start)), ()).line((start, outer(start)))
-    path = outer.append_to(path)
-    if end is None:
-        path = path.quarter((f.outer_length, outer(stop)), (f.outer_length, 0.0))
-        path = path.line((stop, 0.0))
-    return bore.append_reversed_to(path.line((stop, bore(stop))))
+def tube(profile: FingerProfile) -> csg.Path:
+    """Meridian of the finger without slots, in (x, radius)."""
+    f, stop = profile.finger, profile.finger.inner_length
+    path = csg.Path((0.0, profile.bore(0.0)), ()).line((0.0, profile.outer(0.0)))
+    path = profile.outer.append_to(path)
+    path = path.quarter((f.outer_length, profile.outer(stop)), (f.outer_length, 0.0))
+    return profile.bore.append_reversed_to(path.line((stop, 0.0), (stop, profile.bore(stop))))
 
 
 def envelope(profile: FingerProfile, start: float = 0.0) -> csg.Path:
@@ -107,15 +103,23 @@ def slot(profile: FingerProfile, joint: Joint, wanted_fillet: float) -> csg.Shap
 
 
 def _curled(profile: FingerProfile, fillet: float) -> csg.Shape:
-    """The finger as printed with its rest angles: straight phalanges, bent strips."""
+    """The finger as printed with its rest angles: straight phalanges, bent strips.
+
+    Phalanges are cut out of the whole tube: were each drawn on its own, its mesh would take other
+    stations along the taper than the actuator's, and the two would cut into one another.
+    """
     axis = Axis(profile, fillet)
-    joints = profile.finger.joints
+    joints, whole = profile.finger.joints, csg.Revolve(tube(profile))
+    reach = profile.outer(0.0) + MARGIN
     pieces = []
     for i, (start, end) in enumerate(axis.phalanges):
         cuts = [slot(profile, j, fillet) for j in joints[max(i - 1, 0):i + 1]]
-        phalanx = csg.Difference(csg.Revolve(tube(profile, start, end)), tuple(cuts))
+        if i > 0:
+            cuts.append(csg.box((-MARGIN, -reach, -reach), (start, reach, reach)))
+        if end is not None:
+            cuts.append(csg.box((end, -reach, -reach), (profile.length + MARGIN, reach, reach)))
         rotation, origin = axis.placement(start)
-        pieces.append(phalanx.moved(x=-start).placed(rotation, origin))
+        pieces.append(csg.Difference(whole, tuple(cuts)).moved(x=-start).placed(rotation, origin))
     return csg.Union((*pieces, *(axis.strip(i) for i in range(len(joints)))))
 
 
