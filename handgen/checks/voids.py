@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from handgen.geometry import csg, palm
+from handgen.geometry.bay import junctions
 from handgen.geometry.mesh_kernel import evaluate
 from handgen.geometry.palm import Hole
 from handgen.geometry.profile import FingerProfile
@@ -120,7 +121,7 @@ def voids(hand: Hand) -> list[Void]:
 def regions(hand: Hand) -> dict[str, list[Region]]:
     """The regions of a right hand that voids may open into, by name."""
     found = {"wrist": [Region(((np.array((1.0, 0.0, 0.0)), 0.0),))],
-             "bay": [_convex(shape) for shape in palm.junctions(hand)]}
+             "bay": [_convex(shape) for shape in junctions(hand)]}
     if hand.opposition:
         across = np.array(csg.rotation("z", hand.opposition.direction))[:, 0]
         low = float(across @ np.array(hand.opposition.origin))

@@ -10,6 +10,7 @@ import numpy as np
 
 from handgen.errors import GeometryError
 from handgen.geometry import csg, finger
+from handgen.geometry.bay import junctions, roofs
 from handgen.geometry.hand_walls import check
 from handgen.geometry.palm import (
     MARGIN,
@@ -20,7 +21,6 @@ from handgen.geometry.palm import (
     finger_placement,
     first_slot,
     fullness,
-    junctions,
     row,
     seat,
 )
@@ -44,7 +44,7 @@ def hand_part(hand: Hand) -> Part:
     if hand.palm is None:
         raise GeometryError(PART, "palm", "a hand needs a palm")
     hinge = Hinge(hand) if hand.opposition else None
-    solids = core(hand) + fullness(hand) + (hinge.limbs() if hinge else [])
+    solids = core(hand) + roofs(hand) + fullness(hand) + (hinge.limbs() if hinge else [])
     skin = Skin(tuple(solids), hand.palm.blend)
     check(hand, skin, hinge)
     shape = _assembled(hand, csg.Field(skin, hand.palm.resolution), hinge)
@@ -55,7 +55,7 @@ def hand_part(hand: Hand) -> Part:
 
 def _unblended(hand: Hand, hinge: Hinge | None) -> csg.Shape:
     """The body for STEP: lofts through the skin's sections, a plain cover on channels and seats."""
-    palm = Limb(tuple(core(hand) + fullness(hand)), hand.palm.blend)
+    palm = Limb(tuple(core(hand) + roofs(hand) + fullness(hand)), hand.palm.blend)
     # As far as the roots stand on average.
     front = float(np.mean([getattr(hand.fingers, n).placement.root[0] for n in row(hand)]))
     stations = np.linspace(-3.0, front, 6).tolist()

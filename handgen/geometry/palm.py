@@ -1,8 +1,9 @@
 """The palm: where the fingers stand, the channels that lead to their bores, the skin around them.
 
 Every finger's bore carries on behind its root plane as a seat for the actuator's collar and then
-as a straight channel to the wrist's mouth. Towards the wrist the channels run into one another:
-the bay, through which the actuators are pushed in and in which the tubes lie.
+as a straight channel to the wrist's mouth. Towards the wrist the channels run into one another,
+two and two: the bays (`geometry.bay`), through which the actuators are pushed in and in which the
+tubes lie.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from handgen.geometry import csg
 from handgen.geometry.skin import Cone, Ellipsoid, Limb, Slab
 from handgen.parameters.finger import Finger
 from handgen.parameters.model import Hand
+from handgen.parameters.palm import Palm
 
 PART = "exoskeleton/hand"
 MARGIN = 1.0
@@ -121,14 +123,12 @@ def channels(hand: Hand) -> list[Hole]:
     radii = [f.base_bore_diameter / 2 + palm.channel_clearance for f in fingers]
     roots = [f.placement.root[1] for f in fingers]
     wrist = palm.sections[0]
-    high, low = wrist.y + palm.mouth / 2 - radii[0], wrist.y - palm.mouth / 2 + radii[-1]
     if palm.mouth < 2 * max(radii):
         raise GeometryError(PART, "palm.mouth", f"no room for a channel of {2 * max(radii):.1f} mm")
     result = []
-    for name, radius, y in zip(names, radii, roots, strict=True):
-        share = (y - roots[-1]) / (roots[0] - roots[-1]) if roots[0] > roots[-1] else 0.5
+    for name, radius, y in zip(names, radii, _mouths(palm, radii, roots), strict=True):
         end = np.array(on_axis(hand, name, -hand.seal.collar_length))
-        mouth = np.array([wrist.x, low + share * (high - low), wrist.z])
+        mouth = np.array([wrist.x, y, wrist.z])
         step = (end - mouth) / np.linalg.norm(end - mouth)
         start = mouth - step * 2 * radius
         result.append(Hole(f"{name} channel", f"fingers.{name}.placement.root",
@@ -136,37 +136,31 @@ def channels(hand: Hand) -> list[Hole]:
     return result
 
 
-def junctions(hand: Hand) -> list[csg.Shape]:
-    """What is cleared between neighbouring channels where the wall left is thinner than `wall`.
+def _mouths(palm: Palm, radii: list[float], roots: list[float]) -> list[float]:
+    """y of every channel at the wrist's mouth, mm.
 
-    Without it two round channels part in an edge as thin as a knife.
+    Two and two they share a bay, with a wall from one bay to the next: a roof over more than two
+    channels, printed lying, is too wide to rise to its ridge by itself. A mouth too narrow for
+    walls has its channels as the roots stand.
     """
-    shapes = []
-    for a, b in pairwise(channels(hand)):
-        wanted = a.radius + b.radius + hand.palm.wall
-        x0, x1 = -2 * MARGIN, min(a.end[0], b.end[0])
-        gap0, gap1 = (np.linalg.norm(a.at(x) - b.at(x)) for x in (x0, x1))
-        if gap0 >= wanted:
-            continue
-        stop = x0 + (x1 - x0) * min(1.0, (wanted - gap0) / max(gap1 - gap0, 1e-9))
-        shapes.append(csg.Loft((_between(a, b, x0), _between(a, b, stop))))
-    return shapes
-
-
-def _between(a: Hole, b: Hole, x: float) -> csg.Section:
-    """A four-sided section at `x` from well inside channel `a` to well inside channel `b`."""
-    corners = []
-    for hole, other in ((a, b), (b, a)):
-        point, towards = hole.at(x), other.at(x) - hole.at(x)
-        inside = point + towards / np.linalg.norm(towards) * 0.4 * hole.radius
-        corners += [(inside[1], inside[2] + s * 0.88 * hole.radius) for s in (-1, 1)]
-    (a0, a1, b0, b1) = corners
-    path = csg.Path.polygon([a0, b0, b1, a1])
-    return csg.Section(path, ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), (float(x), 0.0, 0.0))
+    high, low = (palm.sections[0].y + side * palm.mouth / 2 for side in (1, -1))
+    pairs = [radii[i:i + 2] for i in range(0, len(radii), 2)]
+    spare = palm.mouth - palm.wall * (len(pairs) - 1) - sum(p[0] + p[-1] for p in pairs)
+    if len(radii) < 3 or spare < 0.0:
+        first, last = high - radii[0], low + radii[-1]
+        span = roots[0] - roots[-1]
+        return [last + ((y - roots[-1]) / span if span > 0.0 else 0.5) * (first - last) for y in roots]
+    shares = [min(spare / (len(radii) // 2), sum(p) + palm.wall) if len(p) == 2 else 0.0 for p in pairs]
+    between = palm.wall + (spare - sum(shares)) / (len(pairs) - 1)
+    result, edge = [], high
+    for pair, share in zip(pairs, shares, strict=True):
+        result += [edge - pair[0], edge - pair[0] - share][:len(pair)]
+        edge = result[-1] - pair[-1] - between
+    return result
 
 
 def core(hand: Hand) -> list:
-    """The palm's body and a round cover on every channel and seat."""
+    """The palm's body and a round cover on every channel and seat (`bay.roofs` covers the bays)."""
     palm = hand.palm
     slab = Slab(tuple((s.x - (10.0 if i == 0 else 0.0), s.y, s.z, s.width, s.thickness)
                       for i, s in enumerate(palm.sections)), palm.exponent, 8.0)
@@ -184,7 +178,8 @@ def fullness(hand: Hand) -> list:
     return [
         *(_knuckle(hand, name) for name in names),
         *(_web(hand, a, b) for a, b in pairwise(names)),
-        Ellipsoid(csg.rotation("z", last.heading), (x, y - 1.0, z - 5.0), (34.0, 12.0, 11.0)),
+        Ellipsoid(csg.rotation("z", last.heading), (x, y - 1.0, z - hand.palm.hypothenar_drop),
+                  tuple(hand.palm.hypothenar)),
     ]
 
 

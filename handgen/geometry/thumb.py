@@ -30,6 +30,10 @@ ANCHOR = 3.0
 """How far the sheet reaches into the walls of the gap, mm."""
 TUBE_SLOPE = 7.0
 """How far towards the middle of the palm a tube's hole climbs before it meets a channel, mm."""
+THENAR = (-9.0, 3.0, 2.0)
+"""Middle of the palm's mass at the gap, mm in the hinge's frame: about the sockets."""
+BALL = 5.0
+"""How far behind the thumb's root, and how far palmar of it, the middle of its ball lies, mm."""
 OBLIQUE = 0.3
 """Least cosine between the thumb's axis and the direction across the gap: below it, the bore
 would run along the gap instead of opening into it."""
@@ -148,11 +152,11 @@ class Hinge:
         wrist = hand.palm.sections[0]
         edge = (wrist.x, wrist.y + wrist.width / 2 - r, wrist.z - 2.0)
         depth = 0.5 - self.bottom + RECESS
-        thenar = Ellipsoid(self.rotation, self.point(-9.0, 3.0, 2.0), (15.0, 18.0, depth))
+        thenar = Ellipsoid(self.rotation, self.point(*THENAR), (o.thenar_across, o.thenar_along, depth))
         root, axis = (np.array(palm.on_axis(hand, "thumb", x)) for x in (0.0, 1.0))
         axis = axis - root
-        heart = tuple((root - 5.0 * axis - (0.0, 0.0, 5.0)).tolist())
-        ball = Ellipsoid(palm.facing(axis), heart, (15.0, 12.5, 14.0))
+        heart = tuple((root - BALL * axis - (0.0, 0.0, BALL)).tolist())
+        ball = Ellipsoid(palm.facing(axis), heart, tuple(o.ball))
         bore = self.thumb_bore()
         cover = bore.radius + hand.palm.wall
         seat = Limb((Cone(bore.start, palm.on_axis(hand, "thumb", 0.0), cover, cover),

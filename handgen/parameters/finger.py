@@ -13,6 +13,7 @@ Station = Annotated[list[Annotated[float, Field(ge=0.0, le=1.0)]], Field(min_len
 Point = Annotated[
     list[Annotated[float, Field(ge=-400.0, le=400.0)]], Field(min_length=3, max_length=3)
 ]
+Extents = Annotated[list[Annotated[float, Field(ge=1.0, le=100.0)]], Field(min_length=3, max_length=3)]
 
 TAPER_REASON = (
     "Table A.1 gives base and tip diameters only and says that those between are not "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from handgen.parameters.finger import Point
+from handgen.parameters.finger import Extents, Point
 from handgen.parameters.quantity import Model, item, quantity
 
 
@@ -27,7 +27,7 @@ class Palm(Model):
                                default=2.6, assumed="between an ellipse and a slab, as a palm is")
     mouth: float = quantity("mm", 16, 180, "width over which the channels open at the wrist", default=50.0,
                             assumed="leaves a wall of 5 mm at the sides of an adult's wrist")
-    wall: float = quantity("mm", 1, 10, "least wall around the channels", default=2.5,
+    wall: float = quantity("mm", 1, 10, "least wall around the channels", default=2.3,
                            assumed="a little more than the fingers' 2 mm, because a palm should not give")
     channel_clearance: float = quantity(
         "mm", 0, 3, "how much wider a channel's radius is than the bore that it leads to", default=0.4,
@@ -39,6 +39,12 @@ class Palm(Model):
                             assumed="looks like skin and brings the hand near the volume of Eq. 5.1")
     web: float = quantity("mm", 0, 20, "how far the webs reach past the finger roots", default=5.0,
                           assumed="ends before the first slot begins")
+    hypothenar: Extents = item(
+        "half-axes of the mass below the little finger: along its channel, across it, dorsal, mm",
+        default_factory=lambda: [34.0, 12.0, 11.0],
+        assumed="from the wrist to the knuckle; as wide as the channel and its walls")
+    hypothenar_drop: float = quantity("mm", -20, 40, "how far palmar of the channel its middle lies",
+                                      default=5.0, assumed="rounds the palm's side, leaves the back flat")
     resolution: float = quantity("mm", 0.3, 2, "grid pitch of the blended skin", default=0.8,
                                  assumed="half a millimetre of skin detail after marching cubes")
 
@@ -58,6 +64,16 @@ class Opposition(Model):
     sheet_thickness: float = quantity("mm", 0.6, 20, "thickness of the palmar sheet")
     sheet_fillet: float = quantity("mm", 0, 6, "radius where the sheet meets the gap's walls", default=1.5,
                                    assumed="as at the fingers' joints: a sharp corner starts a tear")
+    thenar_across: float = quantity(
+        "mm", 1, 100, "half-axis of the palm's mass at the gap, across the fold", default=15.0,
+        assumed="buries the sockets of the actuators' bases")
+    thenar_along: float = quantity(
+        "mm", 1, 100, "half-axis of the palm's mass at the gap, along the fold", default=18.0,
+        assumed="a little wider than the sheet, as a thenar runs out to the wrist")
+    ball: Extents = item(
+        "half-axes of the ball of the thumb: along the thumb's axis, across it, dorsal, mm",
+        default_factory=lambda: [15.0, 12.5, 14.0],
+        assumed="a little more than half the thumb's root all round, as a hand's thenar pad")
     tip_socket: float = quantity("mm", 2, 30, "depth that holds an actuator's tip", default=6.0,
                                  assumed="half an actuator diameter")
     base_socket: float = quantity("mm", 2, 30, "depth that holds an actuator's base", default=6.0,
