@@ -7,13 +7,14 @@ from scipy.integrate import quad
 
 from handgen.checks import thread
 from handgen.checks.limits import standard
-from handgen.geometry.actuator import profile_of, thread_length, thread_turns
+from handgen.geometry.actuator import actuator, profile_of, thread_length, thread_turns
 from handgen.mechanics.bulge import HALF_CIRCLE, Wall, height
 from handgen.mechanics.silicone import shear_modulus
 from handgen.parameters.load import load
 from handgen.parameters.model import Actuators
 from tests import reference_wall
 from tests.conftest import PARAMS
+from tests.variant import named
 
 MU = shear_modulus(0.0827)
 """Ecoflex 00-50."""
@@ -29,6 +30,14 @@ def with_thread(hand, **values):
 
 def own(rule, name, value):
     return LIMITS.beside({rule: {name: {"value": value, "reason": "test"}}})
+
+
+def parts(hand):
+    return named(actuator(hand, name) for name in hand.actuators.present())
+
+
+def judge(rule, hand, limits):
+    return rule(hand, parts(hand), limits)
 
 
 def errors(outcome):
@@ -89,7 +98,7 @@ def test_elements_with_both_layers_bulge_as_far_or_less(wall, low, high):
 def test_both_threads_of_the_source_fit_and_hold(adult, diameter):
     """Section 5.2.2: no increase in diameter. That they lie loose in 0.5 mm is said, not judged."""
     hand = with_thread(adult, diameter=diameter)
-    loose, held = thread.layer(hand, LIMITS), thread.gap(hand, LIMITS)
+    loose, held = judge(thread.layer, hand, LIMITS), judge(thread.gap, hand, LIMITS)
     assert loose.status == "pass" and loose.measured == pytest.approx(0.5 - diameter)
     (said,) = loose.findings
     lies = profile_of(hand, "index").large_core(said.where[0]) + diameter / 2
@@ -101,31 +110,31 @@ def test_both_threads_of_the_source_fit_and_hold(adult, diameter):
 
 def test_the_prototype_of_section_4_1_holds():
     hand = load(PARAMS / "thesis_finger.yaml").hand
-    assert thread.layer(hand, LIMITS).status == thread.gap(hand, LIMITS).status == "pass"
+    assert judge(thread.layer, hand, LIMITS).status == judge(thread.gap, hand, LIMITS).status == "pass"
 
 
 @pytest.mark.parametrize(("diameter", "status"), [(0.49, "pass"), (0.5, "pass"), (0.51, "fail")])
 def test_a_thread_may_fill_its_layer_but_no_more(adult, diameter, status):
-    outcome = thread.layer(with_thread(adult, diameter=diameter), LIMITS)
+    outcome = judge(thread.layer, with_thread(adult, diameter=diameter), LIMITS)
     assert outcome.status == status
     assert outcome.measured == pytest.approx(0.5 - diameter)
 
 
 def test_a_groove_takes_half_of_the_thread(adult):
-    assert thread.layer(with_thread(adult, diameter=1.0, groove=True), LIMITS).status == "pass"
-    assert thread.layer(with_thread(adult, diameter=1.02, groove=True), LIMITS).status == "fail"
+    assert judge(thread.layer, with_thread(adult, diameter=1.0, groove=True), LIMITS).status == "pass"
+    assert judge(thread.layer, with_thread(adult, diameter=1.02, groove=True), LIMITS).status == "fail"
 
 
 @pytest.mark.parametrize(("most", "status"), [(0.36, "pass"), (0.35, "pass"), (0.34, "fail")])
 def test_a_thread_may_lie_loose_up_to_the_limit(adult, most, status):
-    outcome = thread.layer(with_thread(adult), own("thread.layer", "most_slack", most))
+    outcome = judge(thread.layer, with_thread(adult), own("thread.layer", "most_slack", most))
     assert outcome.status == status
 
 
 def test_turns_balloon_beyond_the_limit_and_not_on_it(adult):
-    limit = thread.gap(with_thread(adult), LIMITS).limit
+    limit = judge(thread.gap, with_thread(adult), LIMITS).limit
     for beside, status in ((-0.01, "pass"), (0.0, "pass"), (0.01, "fail")):
-        outcome = thread.gap(with_thread(adult, pitch=limit + beside + 0.15), LIMITS)
+        outcome = judge(thread.gap, with_thread(adult, pitch=limit + beside + 0.15), LIMITS)
         assert outcome.status == status
         assert outcome.limit == pytest.approx(limit)
 
@@ -133,32 +142,32 @@ def test_turns_balloon_beyond_the_limit_and_not_on_it(adult):
 def test_turns_too_near_keep_the_silicone_out(adult):
     least = LIMITS.get("thread.gap", "least_gap").value
     for beside, status in ((0.01, "pass"), (0.0, "pass"), (-0.01, "fail")):
-        outcome = thread.gap(with_thread(adult, pitch=least + beside + 0.15), LIMITS)
+        outcome = judge(thread.gap, with_thread(adult, pitch=least + beside + 0.15), LIMITS)
         assert outcome.status == status
     assert outcome.measured == pytest.approx(least - 0.01) and outcome.limit == least
 
 
 def test_turns_on_one_another_are_found_not_raised(adult):
-    outcome = thread.gap(with_thread(adult, pitch=0.15), LIMITS)
+    outcome = judge(thread.gap, with_thread(adult, pitch=0.15), LIMITS)
     assert outcome.status == "fail" and "lie on one another" in outcome.findings[0].message
 
 
 @pytest.mark.parametrize("factor", [0.5, 3.0])
 def test_a_pitch_halved_or_tripled_fails(adult, factor):
-    outcome = thread.gap(with_thread(adult, pitch=2 * factor), LIMITS)
+    outcome = judge(thread.gap, with_thread(adult, pitch=2 * factor), LIMITS)
     assert outcome.status == "fail" and errors(outcome)
 
 
 def test_turns_slide_down_a_taper_steeper_than_their_friction(adult):
     hand = with_thread(adult)
     core = profile_of(hand, "index").large_core
-    (w,) = thread._windings(hand)
+    (w,) = thread._windings(hand, parts(hand))
     steepest = max(abs(core.slope(x)) for x in w.stations)
     for beside, status in ((1e-4, "pass"), (0.0, "pass"), (-1e-4, "fail")):
-        outcome = thread.gap(hand, own("thread.gap", "friction", steepest + beside))
+        outcome = judge(thread.gap, hand, own("thread.gap", "friction", steepest + beside))
         assert outcome.status == status
     assert "slide" in outcome.findings[0].message
-    grooved = thread.gap(with_thread(adult, groove=True), own("thread.gap", "friction", steepest / 2))
+    grooved = judge(thread.gap, with_thread(adult, groove=True), own("thread.gap", "friction", steepest / 2))
     assert grooved.status == "pass"
 
 
@@ -167,7 +176,7 @@ def test_the_place_is_where_the_wall_is_thinnest_and_free(adult):
     little = adult.model_copy(update={
         "actuators": Actuators(little=adult.actuators.little.model_copy(update={"thread": None})),
         "thread": adult.thread.model_copy(update={"pitch": 2.0})})
-    outcome = thread.gap(little, LIMITS)
+    outcome = judge(thread.gap, little, LIMITS)
     (found,) = errors(outcome)
     joint = adult.fingers.little.joints[-1]
     assert found.where[0] == pytest.approx(joint.position + joint.slot_length / 2)
@@ -177,4 +186,4 @@ def test_the_place_is_where_the_wall_is_thinnest_and_free(adult):
     assert inside_bore and "closed bore" in inside_bore[0].message
     mended = float(found.fix.split("pitch of ")[1].split(" mm")[0])
     thinner = little.model_copy(update={"thread": little.thread.model_copy(update={"pitch": mended})})
-    assert thread.gap(thinner, LIMITS).status == "pass"
+    assert judge(thread.gap, thinner, LIMITS).status == "pass"

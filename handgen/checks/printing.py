@@ -1,53 +1,77 @@
-"""Rules on the meshes that are printed, read from the rows of the manifest."""
+"""Rules on every mesh as it goes to the printer or shows what is cast: closed, and within the printer."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping, Sequence
 
-from handgen.checks.rule import RULES, Finding, Outcome, judged, skipped
+from handgen.checks.limits import Limit, Limits
+from handgen.checks.rule import Finding, Outcome, judged, skipped
+from handgen.geometry.measure import Facts, measure
+from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
 CAST = "actuator"
 """Role of parts that are cast, not printed."""
+ROUNDING = 1e-4
+"""mm; boxes are those of single-precision meshes."""
 
 
-def watertight(hand: Hand, rows: list[dict[str, Any]]) -> Outcome:
-    """Every mesh is closed, wound one way, and one body."""
-    rule = RULES["solid.watertight"]
+def facts(part: Part) -> Facts:
+    """What `part`'s triangles enclose and what is wrong with them."""
+    vertices, faces = part.triangles
+    return measure(vertices[faces])
+
+
+def watertight(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
+    """Every mesh is closed, wound one way, without slivers, and one body."""
+    rule, most = "solid.watertight", limits.get("solid.watertight", "faults")
+    if not parts:
+        return skipped(rule, "no parts in this build")
+    found = {name: facts(part).faults() for name, part in parts.items()}
     findings = [
-        Finding(rule.name, "error", row["name"], 1.0, rule.limit, rule.unit,
-                "not closed" if not row["watertight"] else f"falls into {row['bodies']} bodies",
-                "report it with the parameter file: no build may write such a mesh", rule.source)
-        for row in rows if not row["watertight"] or row["bodies"] != 1
+        Finding(rule, "error", name, float(len(faults)), most.value, most.unit, f"it {', '.join(faults)}",
+                "report it with the parameter file: no build may write such a mesh", most.source)
+        for name, faults in found.items() if len(faults) > most.value
     ]
-    return judged(rule.name, float(len(findings)), rule.limit, f"{len(rows)} meshes", findings)
+    worst = max(len(faults) for faults in found.values())
+    return judged(rule, float(worst), most.value, f"most faults of {len(parts)} meshes", findings)
 
 
-def build_volume(hand: Hand, rows: list[dict[str, Any]]) -> Outcome:
-    """Every printed part fits the printer standing as `print_up` says, turned on the bed at will."""
-    rule, volume = RULES["print.build-volume"], hand.printing.build_volume
+def build_volume(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
+    """Every printed part fits the printer standing as its `up` says, turned on the bed at will."""
+    rule, most = "print.build-volume", limits.get("print.build-volume", "excess")
+    volume = hand.printing.build_volume
     excess, findings = [], []
-    for row in (r for r in rows if r["role"] != CAST):
-        over = overhang(row, volume)
+    for part in (p for p in parts.values() if p.role != CAST):
+        low, high = part.triangles.vertices.min(axis=0), part.triangles.vertices.max(axis=0)
+        size = [float(b - a) for a, b in zip(low, high, strict=True)]
+        over, axis = overhang(size, part.up, volume)
         excess.append(over)
-        if over > rule.limit:
-            size = " x ".join(f"{b - a:.1f}" for a, b in zip(*row["bbox_mm"], strict=True))
-            findings.append(Finding(
-                rule.name, "error", row["name"], over, rule.limit, rule.unit,
-                f"{size} mm sticks {over:.1f} mm out of {' x '.join(f'{v:g}' for v in volume)} mm",
-                "make the part smaller or name a larger printer", rule.source))
+        if over > most.value + ROUNDING:
+            end = [float(a + b) / 2 for a, b in zip(low, high, strict=True)]
+            end[axis] = float(high[axis])
+            findings.append(_too_large(part, size, over, volume, most, tuple(end)))
     if not excess:
-        return skipped(rule.name, "nothing in this build is printed")
-    return judged(rule.name, max(excess), rule.limit, "excess over the build volume; below 0: room", findings)
+        return skipped(rule, "nothing in this build is printed")
+    return judged(rule, max(excess), most.value, "excess over the build volume; below 0: room", findings)
 
 
-def overhang(row: dict[str, Any], volume: list[float]) -> float:
-    """How far a part's box sticks out of the printer's, mm, standing on the bed; below 0: room.
+def _too_large(part: Part, size: Sequence[float], over: float, volume: Sequence[float], limit: Limit,
+               where: tuple[float, float, float]) -> Finding:
+    box = " x ".join(f"{s:.1f}" for s in size)
+    return Finding(
+        "print.build-volume", "error", part.name, over, limit.value, limit.unit,
+        f"{box} mm sticks {over:.1f} mm out of {' x '.join(f'{v:g}' for v in volume)} mm",
+        f"make the part smaller ({part.path}) or name a larger printer (printing.build_volume)",
+        limit.source, where)
 
-    The upright axis is the one that `print_up` points along most; the other two may be swapped.
+
+def overhang(size: Sequence[float], up: Sequence[float], volume: Sequence[float]) -> tuple[float, int]:
+    """How far a box of `size` sticks out of the printer's, mm, below 0: room; and along which axis.
+
+    The upright axis is the one that `up` points along most; the other two may be swapped on the bed.
     """
-    size = [b - a for a, b in zip(*row["bbox_mm"], strict=True)]
-    upright = max(range(3), key=lambda axis: abs(row["print_up"][axis]))
-    height = size.pop(upright)
-    bed = sorted(volume[:2])
-    return max(height - volume[2], *(s - b for s, b in zip(sorted(size), bed, strict=True)))
+    upright = max(range(3), key=lambda axis: abs(up[axis]))
+    lying = sorted((axis for axis in range(3) if axis != upright), key=lambda axis: size[axis])
+    room = dict(zip(lying, sorted(volume[:2]), strict=True)) | {upright: volume[2]}
+    return max((size[axis] - room[axis], axis) for axis in range(3))

@@ -6,7 +6,9 @@ from dataclasses import asdict
 from typing import Any
 
 from handgen.checks import actuators, printing
+from handgen.checks.limits import standard
 from handgen.checks.rule import RULES, Outcome, skipped
+from handgen.geometry.catalogue import catalogue
 from handgen.parameters.model import Hand
 
 SCHEMA = "handgen.checks/1"
@@ -20,19 +22,23 @@ ON_MESHES = {
     "solid.watertight": printing.watertight,
     "print.build-volume": printing.build_volume,
 }
-"""Rules on what was made: they take the hand and the manifest's rows of parts."""
+"""Rules on the meshes of what was made."""
 MISSING = "not implemented yet"
 
 
 def definition(hand: Hand) -> dict[str, Any]:
     """The rules that need no geometry; the others are skipped."""
-    return _report({name: rule(hand) for name, rule in ON_DEFINITION.items()}, "no geometry was made")
+    parts = catalogue(hand)
+    return _report({name: rule(hand, parts, standard()) for name, rule in ON_DEFINITION.items()},
+                   "no geometry was made")
 
 
 def everything(hand: Hand, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """All rules, those on meshes over the manifest's `rows` of parts."""
-    return _report({name: rule(hand) for name, rule in ON_DEFINITION.items()}
-                   | {name: rule(hand, rows) for name, rule in ON_MESHES.items()}, "")
+    """All rules, those on meshes over the parts that the manifest's `rows` name."""
+    parts = catalogue(hand)
+    made = {row["name"]: parts[row["name"]] for row in rows}
+    return _report({name: rule(hand, parts, standard()) for name, rule in ON_DEFINITION.items()}
+                   | {name: rule(hand, made, standard()) for name, rule in ON_MESHES.items()}, "")
 
 
 def _report(ran: dict[str, Outcome], why_not: str) -> dict[str, Any]:

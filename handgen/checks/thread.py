@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from handgen.checks import actuators
 from handgen.checks.limits import Limit, Limits
-from handgen.checks.rule import Finding, Outcome, judged
+from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.geometry.actuator import profile_of, thread_key, thread_length, thread_turns
+from handgen.geometry.part import Part
 from handgen.geometry.profile import ActuatorProfile
 from handgen.mechanics import bulge
 from handgen.mechanics.silicone import shear_modulus
@@ -52,7 +54,7 @@ class Winding:
         return float(x), 0.0, float(self.profile.large_core(x))
 
 
-def layer(hand: Hand, limits: Limits) -> Outcome:
+def layer(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     """The thread must fit between the large core and the external layer.
 
     Measured is the room left beside it, radially, where that is least. A thread thinner than its
@@ -64,8 +66,10 @@ def layer(hand: Hand, limits: Limits) -> Outcome:
         GeometryError: an actuator without wall or chamber.
     """
     rule, most = "thread.layer", limits.get("thread.layer", "most_slack")
-    findings, slacks = [], []
-    for w in _windings(hand):
+    findings, slacks, windings = [], [], _windings(hand, parts)
+    if not windings:
+        return skipped(rule, "no actuator in this build")
+    for w in windings:
         x = w.stations
         slack = w.profile.thread(x) - w.profile.large_core(x) - (w.thread.diameter - w.sunk)
         least = int(np.argmin(slack))
@@ -99,7 +103,7 @@ def _loose(w: Winding, slack: float, x: float, most: Limit) -> Finding:
         f"draw layers.thread {w.thread.diameter:g} mm thick", most.source, w.spot(x))
 
 
-def gap(hand: Hand, limits: Limits) -> Outcome:
+def gap(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     """The turns must hold the wall between them, let silicone in, and stay where they are wound.
 
     Too wide a gap lets the inner layer balloon at working pressure (`handgen.mechanics.bulge`); it is an
@@ -111,15 +115,17 @@ def gap(hand: Hand, limits: Limits) -> Outcome:
         GeometryError: an actuator without wall or chamber, or no length to wind on.
     """
     rule = "thread.gap"
-    findings, tightest = [], (-math.inf, 0.0, 0.0)
-    for w in _windings(hand):
+    findings, tightest, windings = [], (-math.inf, 0.0, 0.0), _windings(hand, parts)
+    if not windings:
+        return skipped(rule, "no actuator in this build")
+    for w in windings:
         tightest = max(tightest, *_ballooning(hand, w, limits, findings))
         _narrow(hand, w, limits, findings)
         _sliding(w, limits, findings)
     # What is broken comes first; else the place that is nearest to ballooning.
     broken = next((f for f in findings if f.severity == "error" and f.unit == "mm"), None)
     measured, limit = (broken.measured, broken.limit) if broken else tightest[1:]
-    return judged(rule, measured, limit, _counted(hand), findings)
+    return judged(rule, measured, limit, _counted(hand, windings), findings)
 
 
 def _ballooning(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]
@@ -205,9 +211,9 @@ def _sliding(w: Winding, limits: Limits, findings: list[Finding]) -> None:
             friction.source, w.spot(w.stations[steepest])))
 
 
-def _counted(hand: Hand) -> str:
+def _counted(hand: Hand, windings: list[Winding]) -> str:
     counted = []
-    for w in _windings(hand):
+    for w in windings:
         if w.gap <= 0:
             counted.append(f"{w.name}: none")
             continue
@@ -216,5 +222,5 @@ def _counted(hand: Hand) -> str:
     return "; ".join(counted)
 
 
-def _windings(hand: Hand) -> list[Winding]:
-    return [Winding(n, hand.thread_of(n), profile_of(hand, n)) for n in hand.actuators.present()]
+def _windings(hand: Hand, parts: Mapping[str, Part]) -> list[Winding]:
+    return [Winding(n, hand.thread_of(n), profile_of(hand, n)) for n in actuators.present(hand, parts)]
