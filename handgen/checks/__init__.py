@@ -1,5 +1,5 @@
 """Design rules: a rule is a small function, its limits are data, it returns findings."""
 
-from handgen.checks.run import definition, everything
+from handgen.checks.run import judge
 
-__all__ = ["definition", "everything"]
+__all__ = ["judge"]

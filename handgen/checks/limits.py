@@ -20,6 +20,8 @@ from handgen.errors import InputError, Problem
 
 FILE = Path(__file__).with_name("limits.yaml")
 SCHEMA = "handgen.limits/1"
+KEY = "rules.limits"
+"""Where a parameter file puts its own."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,10 @@ class Limits:
             raise KeyError(f"{rule}: no {name} for {', '.join(kinds) or 'everything'}")
         return limit
 
-    def beside(self, own: Mapping[str, Any], file: str = "rules.limits") -> Limits:
+    def beside(self, own: Mapping[str, Any], file: str = "") -> Limits:
         """These limits with a lab's `own`: rule -> limit -> {value, reason} or {for: {kind: ...}}.
+
+        `file` is the parameter file that says so, for errors.
 
         Raises:
             InputError: an unknown rule or limit, a value that is no number, no reason; all at once.
@@ -66,10 +70,10 @@ class Limits:
         table = copy.deepcopy(dict(self._table))
         for rule, limits in own.items():
             if rule not in table:
-                problems.append(_unknown(file, rule, rule, table))
+                problems.append(_unknown(file, f"{KEY}.{rule}", rule, table))
                 continue
             for name, entry in limits.items():
-                path = f"{rule}.{name}"
+                path = f"{KEY}.{rule}.{name}"
                 if name not in table[rule]:
                     problems.append(_unknown(file, path, name, table[rule]))
                     continue

@@ -10,6 +10,7 @@ from handgen.parameters.finger import Actuator, Finger, Layers, Thread
 from handgen.parameters.palm import Opposition, Palm
 from handgen.parameters.process import Casting, Printing, Seal
 from handgen.parameters.quantity import Model, item, quantity
+from handgen.parameters.rules import Rules
 
 SCHEMA = "handgen.hand/1"
 FINGERS = ("index", "middle", "ring", "little", "thumb")
@@ -72,6 +73,7 @@ class Hand(Model):
     casting: Casting
     seal: Seal = item("plugs and collars", default_factory=Seal)
     printing: Printing
+    rules: Rules = item("own limits and accepted findings of the design rules", default_factory=Rules)
     assumed: dict[str, str] = item(
         "key path (`*` for any key or list index) -> why this value, which the source does not give",
         default_factory=dict)
