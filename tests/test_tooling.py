@@ -12,6 +12,8 @@ import pytest
 import trimesh
 from manifold3d import Manifold, Mesh, OpType
 
+from handgen.checks import walls
+from handgen.checks.limits import standard
 from handgen.errors import GeometryError
 from handgen.geometry.actuator import actuator, thread_length
 from handgen.geometry.csg import digest
@@ -311,18 +313,26 @@ def test_labels_stand_where_they_hurt_nobody(bench):
         assert (letters ^ bench.cavity).volume() == 0.0
 
 
-def test_groove_follows_the_thread(adult):
+@pytest.mark.parametrize("name", ["ring", "little", "thumb", "opposition_1"])
+def test_small_moulds_have_walls_that_can_be_handled(adult, name):
+    """A pin's hole, the groove for a rubber band beside it and the cavity leave 1.2 mm to one another."""
+    halves = {p.name: p for p in tooling(adult, name) if p.role in ("mould_a", "mould_b")}
+    assert not walls.minimum(adult, halves, standard()).findings
+
+
+@pytest.mark.parametrize("thread", [0.4, 0.5])
+def test_groove_follows_the_thread(adult, thread):
     """Half the thread's cross-section along its path, in the mesh and, as rings, in the B-rep."""
-    grooved = changed(adult, thread__groove=True, thread__diameter=0.4)
+    grooved = changed(adult, thread__groove=True, thread__diameter=thread)
     part = next(p for p in tooling(grooved, "opposition_1") if p.role == "core_large")
     plain = next(p for p in tooling(adult, "opposition_1") if p.role == "core_large")
     assert_printable(part.mesh)
-    removed = thread_length(grooved, "opposition_1") * math.pi * 0.2**2 / 2
+    removed = thread_length(grooved, "opposition_1") * math.pi * thread**2 / 8
     assert plain.mesh.volume - part.mesh.volume == pytest.approx(removed, rel=0.06)
     assert plain.solid.Volume() - part.solid.Volume() == pytest.approx(removed, rel=0.06)
     # One turn further on there is a groove again; half a turn on, on that side, there is none.
     pitch, core = adult.thread.pitch, 4.0
-    for x, depth in ((2.0 + 4 * pitch, 0.2), (2.0 + 4.5 * pitch, 0.0)):
+    for x, depth in ((2.0 + 4 * pitch, thread / 2), (2.0 + 4.5 * pitch, 0.0)):
         surface = 10.0 - walls_along(part.mesh, (x, 0.001, 10.0), (0, 0, -1))[0]
         assert core - surface == pytest.approx(depth, abs=0.03)
 

@@ -11,6 +11,8 @@ from handgen.geometry.casting import ALONG_X, CHAMFER, LAND, MARGIN, PIN, SALIEN
 
 PIN_LENGTH = 4.0
 """Half of it a cylinder that guides, half a cone that finds the hole, mm."""
+INWARD = 0.5
+"""How much nearer to the cavity than to the outside a pin stands, mm: a groove may run beside it."""
 GROOVE = (5.0, 1.2)
 """Width and depth of the grooves for rubber bands, mm."""
 PRY = (8.0, 2.5, 1.2)
@@ -70,7 +72,7 @@ def _pin(fit: float) -> csg.Shape:
 
 def _pin_places(setup: Setup) -> list[tuple[float, float]]:
     """(x, y) of the pins: not symmetric along x, so that halves fit one way only."""
-    y = setup.half_width - LAND - PIN - setup.casting.mould_fit
+    y = setup.half_width - LAND - INWARD - PIN - setup.casting.mould_fit
     return [(x, side * y) for x in (0.12 * setup.length, 0.82 * setup.length) for side in (-1, 1)]
 
 
