@@ -15,6 +15,7 @@ from handgen.geometry.bay import junctions
 from handgen.geometry.hand import hand_part
 from handgen.geometry.mesh_kernel import evaluate
 from handgen.geometry.profile import FingerProfile
+from handgen.geometry.skin import Block, Common, Skin
 from handgen.geometry.thumb import Hinge
 from handgen.parameters.load import load
 from handgen.parameters.model import Hand
@@ -310,6 +311,19 @@ def test_walls_are_judged_as_thick_as_they_are(adult):
     assert hand_walls._between(a, b) == pytest.approx(1.5, abs=0.02)
     c = palm.Hole("c", "", (22.0, 0.0, 0.0), (30.0, 0.0, 0.0), 4.0)
     assert hand_walls._between(a, c) == pytest.approx(2.0, abs=1e-6)
+
+
+def test_an_openings_rim_is_rounded_and_its_walls_are_not():
+    still = csg.rotation("x", 0.0)
+    block = Block(still, (0.0, 0.0, 0.0), (-20.0, -20.0, -20.0), (20.0, 20.0, 0.0), 1.0)
+    half = Common((Block(still, (0.0, 0.0, 0.0), (0.0, -40.0, -40.0), (40.0, 40.0, 40.0), 1.0),
+                   Block(still, (0.0, 0.0, 0.0), (-40.0, -40.0, -40.0), (40.0, 40.0, 40.0), 1.0)))
+    skin = Skin((block,), 1.0, (half,), 2.0)
+    edge, face, top = (0.0, 0.0, 0.0), (-1.0, 0.0, -8.0), (-8.0, 0.0, -1.0)
+    assert skin.distance(np.array([edge, face, top])) == pytest.approx([2.0 / 4, -1.0, -1.0], abs=1e-5)
+    values, origin = skin.sample(0.5)
+    at = np.array([(10, 20, 30), (39, 41, 42), (41, 60, 40)])
+    assert values[tuple(at.T)] == pytest.approx(skin.distance(origin + 0.5 * at), abs=1e-4)
 
 
 def test_hand_without_opposition_has_a_thumb_that_only_bends(adult):

@@ -6,6 +6,8 @@ diameters wherever the skin does not blend into it, and no cutter can nick a nei
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from handgen.errors import GeometryError
@@ -31,6 +33,8 @@ from handgen.parameters.model import Hand
 
 FAR = 300.0
 """Beyond every hand, mm."""
+RIM = 2.2
+"""Radius of the blend that rounds the rims of the hinge's gap, mm; it takes a quarter off an edge."""
 CLEARING = (0.8, 30.0)
 """How far around a finger, and along it from its first slot, its neighbours' skin is cleared, mm."""
 
@@ -47,6 +51,8 @@ def hand_part(hand: Hand) -> Part:
     solids = core(hand) + roofs(hand) + fullness(hand) + (hinge.limbs() if hinge else [])
     skin = Skin(tuple(solids), hand.palm.blend)
     check(hand, skin, hinge)
+    if hinge:
+        skin = replace(skin, openings=(hinge.opening,), rim=RIM)
     shape = _assembled(hand, csg.Field(skin, hand.palm.resolution), hinge)
     plain = Body("hand", _assembled(hand, _unblended(hand, hinge), hinge), finger.COLOUR)
     return Part(PART, "exoskeleton", hand.printing.hand.material, shape, finger.COLOUR, "palm",

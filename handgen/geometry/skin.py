@@ -165,11 +165,33 @@ class Limb:
 
 
 @dataclass(frozen=True)
+class Common:
+    """What all of `parts` have in common."""
+
+    parts: tuple
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        lows, highs = zip(*(p.bounds() for p in self.parts), strict=True)
+        return np.max(lows, 0), np.min(highs, 0)
+
+    def distance(self, x, y, z):
+        first, *rest = (p.distance(x, y, z) for p in self.parts)
+        for other in rest:
+            first = np.maximum(first, other)
+        return first
+
+
+@dataclass(frozen=True)
 class Skin:
-    """The smooth union of `limbs`, in their order, with blends of radius `blend`."""
+    """The smooth union of `limbs`, in their order, with blends of radius `blend`.
+
+    `openings` are cut out of it, their rims rounded by blends of radius `rim`.
+    """
 
     limbs: tuple
     blend: float
+    openings: tuple = ()
+    rim: float = 0.0
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         lows, highs = zip(*(p.bounds() for p in self.limbs), strict=True)
@@ -193,6 +215,14 @@ class Skin:
             x, y, z = (axis[w] for axis, w in zip(axes, window, strict=True))
             near = limb.distance(x[:, None, None], y[:, None], z)
             values[window] = _blended(values[window], near, self.blend)
+        for opening in self.openings:
+            a, b = opening.bounds()
+            window = tuple(
+                slice(*np.searchsorted(axis, (lo - self.rim, hi + self.rim)))
+                for axis, lo, hi in zip(axes, a, b, strict=True))
+            x, y, z = (axis[w] for axis, w in zip(axes, window, strict=True))
+            near = opening.distance(x[:, None, None], y[:, None], z)
+            values[window] = -_blended(-values[window], near, self.rim)
         return values, low
 
     def distance(self, points: np.ndarray) -> np.ndarray:
@@ -203,6 +233,8 @@ class Skin:
             x, y, z = np.asarray(points[chunk], np.float32).T
             for limb in self.limbs:
                 out[chunk] = _blended(out[chunk], limb.distance(x, y, z), self.blend)
+            for opening in self.openings:
+                out[chunk] = -_blended(-out[chunk], opening.distance(x, y, z), self.rim)
         return out
 
 

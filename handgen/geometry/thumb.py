@@ -19,7 +19,7 @@ from handgen.errors import GeometryError
 from handgen.geometry import csg, palm
 from handgen.geometry.palm import INSET, MARGIN, PART, STUB, Hole
 from handgen.geometry.seals import FLANGE
-from handgen.geometry.skin import Block, Cone, Ellipsoid, Limb, fitted_loft
+from handgen.geometry.skin import Block, Common, Cone, Ellipsoid, Limb, fitted_loft
 from handgen.parameters.model import OPPOSITION, Hand
 
 FAR = 80.0
@@ -71,6 +71,21 @@ class Hinge:
         wall, reach = self._wall_of(channel), 3 * FAR
         beside = csg.box((-reach, -reach, -wall), (reach, wall, reach))
         return whole - beside.placed(csg.rotation("z", channel.heading), channel.end)
+
+    @property
+    def opening(self) -> Common:
+        """The gap above the sheet for the skin, INSET smaller: rims are rounded, then cut exactly.
+
+        Those beside and below the sheet stay sharp, for it must join the walls in their full height.
+        """
+        low = (INSET, -self.o.sheet_width + INSET, self.top + self.o.sheet_fillet)
+        high = (self.o.free_length - INSET, FAR, FAR)
+        whole = Block(self.rotation, self.origin, low, high, INSET)
+        channel = palm.channels(self.hand)[0]
+        wall, reach = self._wall_of(channel) + INSET, 3 * FAR
+        beside = Block(csg.rotation("z", channel.heading), channel.end, (-reach, wall, -reach),
+                       (reach, reach, reach), INSET)
+        return Common((whole, beside))
 
     def _wall_of(self, channel: Hole) -> float:
         """How far from a channel's axis the gap ends, mm."""
