@@ -188,17 +188,22 @@ def test_file_in_place_of_the_folder_is_refused(tmp_path):
         build(SMALL, out=tmp_path / "hand")
 
 
-def test_broken_rule_writes_nothing(built, copy, tmp_path):
+def test_broken_rule_writes_nothing_printable(built, copy, tmp_path):
     tiny = variant(tmp_path, "printing: {build_volume: [60, 60, 60]}\n")
     before = tree(copy)
     result = build(tiny, out=copy)
-    assert not result["passed"] and result["manifest"] == {} and tree(copy) == before
+    assert not result["passed"] and result["manifest"] == {}
+    after = tree(copy)
+    assert after.pop("checks/checks.json") and after == before
     broken = {f["part"]: f for f in result["checks"]["findings"] if f["severity"] == "error"}
     assert broken["exoskeleton/index"]["rule"] == "print.build-volume"
     assert broken["exoskeleton/index"]["measured"] == pytest.approx(86.0 - 60.0, abs=0.01)
     assert "tooling/index/plug" not in broken and "actuators/index" not in broken
     fresh = build(tiny, out=tmp_path / "fresh", parts=["exoskeleton"])
-    assert not fresh["passed"] and not (tmp_path / "fresh").exists()
+    assert not fresh["passed"] and set(tree(tmp_path / "fresh")) == {"checks/checks.json"}
+    wide = variant(tmp_path, "printing: {build_volume: [200, 200, 200]}\n")
+    assert build(wide, out=tmp_path / "fresh", parts=["mould_base"])["passed"]
+    assert not (tmp_path / "fresh/checks").exists()
 
 
 def test_no_verify_writes_and_says_so(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from handgen.builder import jobs
-from handgen.checks import everything
+from handgen.checks import judge
 from handgen.checks.printing import overhang
 from handgen.errors import GeometryError
 from handgen.export import glb, manifest, preview, step, stl, threemf
@@ -184,27 +184,34 @@ def test_step_is_the_same_in_any_order_and_process(tmp_path):
 # A part's files
 
 
+def made(block, stage, extra=None):
+    meshed = jobs.mesh(block, stage, extra or {})
+    return meshed, jobs.solid(block, stage, meshed)
+
+
 def test_disagreeing_kernels_write_nothing(tmp_path):
     """A B-rep that is 1 % off is refused, and the message says where to look."""
     box = csg.box((0, 0, 0), (10, 10, 10))
     wrong = part(box, bodies=(Body("block", csg.box((0, 0, 0), (10, 10, 10.1)), RED),))
     with pytest.raises(GeometryError, match=r"disagree: 1000\.00 and 1010\.00") as caught:
-        jobs.make(wrong, tmp_path, {})
+        made(wrong, tmp_path)
     assert (caught.value.part, caught.value.path) == ("tooling/x/block", "seal.plug_length")
-    assert list(tmp_path.iterdir()) == []
+    assert not list(tmp_path.rglob("*.step"))
 
 
 def test_a_part_in_two_pieces_is_refused(tmp_path):
     apart = part(csg.box((0, 0, 0), (1, 1, 1)) + csg.box((2, 0, 0), (3, 1, 1)))
     with pytest.raises(GeometryError, match="2 bodies"):
-        jobs.make(apart, tmp_path, {})
-    assert list(tmp_path.iterdir()) == []
+        made(apart, tmp_path)
+    assert not list(tmp_path.rglob("*.step"))
 
 
 def test_make_reports_what_it_wrote(tmp_path):
-    made = jobs.make(part(csg.box((0, 0, 0), (1, 2, 3))), tmp_path, {"_thread.csv": b"x\n"})
-    assert set(made.files) == {f"tooling/x/block{e}" for e in (".stl", ".step", "_thread.csv")}
-    row = manifest.entry(part(csg.box((0, 0, 0), (1, 2, 3))), "key", made.facts, 6.0, made.files)
+    meshed, solid = made(part(csg.box((0, 0, 0), (1, 2, 3))), tmp_path, {"_thread.csv": b"x\n"})
+    files = meshed.files | solid.files
+    assert set(files) == {f"tooling/x/block{e}" for e in (".stl", ".step", "_thread.csv")}
+    assert solid.volume_mm3 == pytest.approx(6.0)
+    row = manifest.entry(part(csg.box((0, 0, 0), (1, 2, 3))), "key", meshed.facts, 6.0, files)
     assert row["files"] == {"stl": "tooling/x/block.stl", "step": "tooling/x/block.step",
                             "thread": "tooling/x/block_thread.csv"}
     assert row["bbox_mm"] == [[0, 0, 0], [1, 2, 3]] and row["volume_mm3"] == pytest.approx(6.0)
@@ -245,7 +252,7 @@ def test_preview_shows_its_cells(tmp_path):
 
 
 def test_every_rule_is_listed_and_no_skipped_one_passes(adult):
-    report = everything(adult, [])
+    report = judge(adult, {})
     assert len({row["rule"] for row in report["rules"]}) == len(report["rules"]) == 19
     for row in report["rules"]:
         assert row["reason"]

@@ -1,4 +1,4 @@
-"""The build: load, judge, make what is new, keep what is not, exchange the folder."""
+"""The build: load, mesh, judge, make what is new, keep what is not, exchange the folder."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from typing import Any
 from handgen import __version__, checks
 from handgen.builder import jobs, pictures
 from handgen.builder.pictures import View
-from handgen.builder.plan import Planned, digests, groups, kept, plan
+from handgen.builder.plan import Planned, digests, groups, kept, plan, salt
 from handgen.builder.pool import Workers, default_count
-from handgen.builder.store import CHECKS, MANIFEST, Store
+from handgen.builder.store import CHECK_FOLDER, CHECKS, MANIFEST, Store
+from handgen.builder.verdict import Verdict, publish
 from handgen.errors import EngineError
 from handgen.export import manifest
+from handgen.geometry import csg
 from handgen.geometry.actuator import adaptations
 from handgen.geometry.catalogue import catalogue, select
 from handgen.parameters.load import Loaded, load
@@ -37,8 +39,9 @@ def build(
     build that are still right stay. `verify=False` writes even what breaks a rule. `progress`
     is told one line per part; `workers` is the number of processes (default: one a processor).
 
-    Returns {"name", "out", "manifest", "checks", "passed"}: `manifest` as written,
-    empty when a broken rule kept everything from being written; `checks` the contract's report.
+    Returns {"name", "out", "manifest", "checks", "passed"}: `manifest` as written, empty when a
+    broken rule kept everything printable from being written; `checks` the contract's report, which
+    then lies in the folder `checks` of `out`.
 
     Raises:
         InputError: bad parameters, an unknown part, a folder that is not handgen's.
@@ -48,10 +51,8 @@ def build(
     loaded = load(params)
     listed = catalogue(loaded.hand)
     wanted = set(select(listed, parts or None))
+    checks.own_limits(loaded.hand, str(loaded.file))
     store = Store(Path(out) if out is not None else Path("outputs") / loaded.hand.name)
-    report = checks.definition(loaded.hand)
-    if verify and not report["passed"]:
-        return _result(loaded, store, report, {})
     say = progress or (lambda line: None)
     with store.locked(lambda: say(f"waiting for another build of {store.final}")) as lock:
         return _Build(loaded, store, say, verify).run(
@@ -65,6 +66,21 @@ def _result(loaded: Loaded, store: Store, report: dict, written: dict) -> dict[s
 
 def _view_row(view: View) -> dict[str, Any]:
     return {"file": view.file, "shows": list(view.shows), "key": view.key}
+
+
+def _judged(loaded: Loaded, present: list[Planned]) -> str:
+    """Key of a report: the rules, the parameters and the parts that they saw."""
+    plugins = [f"{point.name} {point.value} {point.dist.version if point.dist else ''}"
+               for point in checks.registered().values()]
+    return csg.digest((salt(("checks", "mechanics", "geometry", "materials")), loaded.sha256, *plugins,
+                       *(p.key for p in present)))
+
+
+def _sound(result: Any) -> Any:
+    """A job's result, or its error raised."""
+    if isinstance(result, Exception):
+        raise result
+    return result
 
 
 class _Build:
@@ -82,19 +98,37 @@ class _Build:
         rows = kept(planned, self.store, self.previous)
         missing = [p for p in planned if p.part.name in wanted and p.part.name not in rows]
         present = [p for p in planned if p.part.name in rows or p in missing]
+        verdict = Verdict(self.loaded, [p.part.name for p in present], self.store.stage)
         try:
             for row in rows.values():
                 self._keep(row["files"].values())
             with Workers(workers, lock) as pool:
                 pool.warm(len(missing))
-                self._make(missing, pictures.views(self.loaded.hand, self.loaded.sha256, present), rows, pool)
-            ordered = [rows[p.part.name] for p in present]
-            report = checks.everything(self.loaded.hand, ordered)
+                meshed = self._mesh(missing, rows, pool)
+                report = self._known_report(present)
+                if report is None:
+                    verdict.start(pool)
+                views = pictures.views(self.loaded.hand, self.loaded.sha256, present)
+                report = self._make(missing, meshed, views, rows, pool, verdict, report)
             if self.verify and not report["passed"]:
-                return _result(self.loaded, self.store, report, {})
-            return self._finish(ordered, report)
+                return self._failed(report)
+            return self._finish([rows[p.part.name] for p in present], report, _judged(self.loaded, present))
         finally:
             self.store.discard()
+
+    def _known_report(self, present: list[Planned]) -> dict[str, Any] | None:
+        """The report of the previous build, where the same rules judged the same parts."""
+        if self.previous is None or self.previous.get("checks_key") != _judged(self.loaded, present):
+            return None
+        return self.store.report()
+
+    def _mesh(self, missing: list[Planned], rows: dict[str, dict], pool: Workers) -> dict[str, jobs.Meshed]:
+        """The missing parts' meshes, in the staging folder."""
+        if rows:
+            self.say(f"unchanged: {len(rows)} parts")
+        for group in groups(missing):
+            pool.add([(p.part.name, jobs.mesh, (p.part, self.store.stage, p.extra)) for p in group])
+        return {name: _sound(result) for name, result in pool.results()}
 
     def _keep(self, paths: Iterable[str]) -> None:
         """Files of the previous build that stay as they are."""
@@ -102,27 +136,41 @@ class _Build:
         self.store.reuse(files)
         self.files |= files
 
-    def _make(self, missing: list[Planned], views: list[View], rows: dict[str, dict], pool: Workers) -> None:
-        """Make the missing parts, and each view as soon as its parts are there; extends `rows`."""
-        if rows:
-            self.say(f"unchanged: {len(rows)} parts")
+    def _make(self, missing: list[Planned], meshed: dict[str, jobs.Meshed], views: list[View],
+              rows: dict[str, dict], pool: Workers, verdict: Verdict, report: dict | None) -> dict[str, Any]:
+        """Make the rest of the missing parts and the views while the rules run; extends `rows`.
+
+        Returns the report, at once if a rule keeps everything from being written.
+        """
         parts, total = {p.part.name: p for p in missing}, len(missing)
         for group in groups(missing):
-            pool.add([(p.part.name, jobs.make, (p.part, self.store.stage, p.extra)) for p in group])
+            pool.add([(p.part.name, jobs.solid, (p.part, self.store.stage, meshed[p.part.name]))
+                      for p in group])
         waiting = self._start_views([view for view in views if not self._keep_view(view)], rows, pool)
         for name, result in pool.results():
-            if name not in parts:
+            if verdict.take(name, result):
+                report = report or verdict.report
+                if self.verify and report and not report["passed"]:
+                    return report
+            elif name in parts:
+                made = parts.pop(name)
+                rows[name] = self._row(made, meshed[name], _sound(result))
+                self.say(f"[{total - len(parts)}/{total}] {name}")
+                waiting = self._start_views(waiting, rows, pool)
+            else:
                 self._shown(name, result, views)
-                continue
-            if isinstance(result, Exception):
-                raise result
-            made = parts.pop(name)
-            rows[name] = manifest.entry(
-                made.part, made.key, result.facts, result.step_volume_mm3, result.files)
-            self.files |= result.files
-            self.changed = True
-            self.say(f"[{total - len(parts)}/{total}] {name}")
-            waiting = self._start_views(waiting, rows, pool)
+        return report
+
+    def _row(self, made: Planned, meshed: jobs.Meshed, solid: jobs.Solid) -> dict[str, Any]:
+        files = dict(sorted((meshed.files | solid.files).items()))
+        self.files |= files
+        self.changed = True
+        return manifest.entry(made.part, made.key, meshed.facts, solid.volume_mm3, files)
+
+    def _failed(self, report: dict[str, Any]) -> dict[str, Any]:
+        """Nothing printable, but what is wrong, where the user looks for the build."""
+        publish(report, self.store.final / CHECK_FOLDER)
+        return _result(self.loaded, self.store, report, {})
 
     def _keep_view(self, view: View) -> bool:
         """Keep a view by its key, as parts are."""
@@ -156,7 +204,7 @@ class _Build:
         else:
             raise result
 
-    def _finish(self, rows: list[dict], report: dict) -> dict[str, Any]:
+    def _finish(self, rows: list[dict], report: dict, judged: str) -> dict[str, Any]:
         """Write manifest and checks and put the build in its place, unless nothing changed."""
         document = {
             "schema": manifest.SCHEMA,
@@ -164,6 +212,7 @@ class _Build:
             "handgen_version": __version__,
             "parameters_sha256": self.loaded.sha256,
             "verified": self.verify,
+            "checks_key": judged,
             "parts": rows,
             "views": sorted(self.views, key=lambda row: row["file"]),
             "adaptations": [asdict(a) for a in adaptations(self.loaded.hand)],
@@ -175,6 +224,6 @@ class _Build:
         written = {MANIFEST: manifest.to_bytes(document), CHECKS: manifest.to_bytes(report)}
         if self.changed or not self.store.same(written):
             self.store.write(written)
-            self.store.carry_over({*(self.previous or {}).get("files", ()), MANIFEST, CHECKS})
+            self.store.carry_over({*(self.previous or {}).get("files", ()), MANIFEST, CHECKS, CHECK_FOLDER})
             self.store.commit()
         return _result(self.loaded, self.store, report, document)

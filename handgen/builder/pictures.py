@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from handgen.builder import jobs
 from handgen.builder.plan import Planned, salt
 from handgen.export import glb, preview
 from handgen.geometry import csg
 from handgen.geometry.assembly import assembly
-from handgen.geometry.measure import read_stl
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
@@ -131,9 +131,5 @@ def _welded(stage: Path, part: Part) -> tuple[np.ndarray, np.ndarray]:
     return _read(stage / f"{part.name}.stl")
 
 
-@functools.lru_cache(maxsize=4)
-def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Remembered, because one worker draws the hand from three sides."""
-    corners = np.ascontiguousarray(read_stl(path.read_bytes())).reshape(-1, 3)
-    _, first, faces = np.unique(corners.view("V12"), return_index=True, return_inverse=True)
-    return corners[first], faces.reshape(-1, 3)
+# Remembered, because one worker draws the hand from three sides.
+_read = functools.lru_cache(maxsize=4)(jobs.welded)

@@ -94,11 +94,10 @@ def _thread(hand: Hand, name: str) -> bytes:
 
 
 @functools.cache
-def salt() -> str:
+def salt(folders: tuple[str, ...] = ("geometry", "export", "builder")) -> str:
     """Hash of the code that makes files of parts, so that an upgrade rebuilds what it may change."""
     package = Path(__file__).parent.parent
-    folders = ("geometry", "export", "builder")
-    sources = sorted(f for folder in folders for f in (package / folder).glob("*.py"))
+    sources = sorted(f for folder in folders for f in (package / folder).iterdir() if f.is_file())
     state = hashlib.sha256()
     for source in sources:
         state.update(f"{source.relative_to(package)}\n".encode() + source.read_bytes())

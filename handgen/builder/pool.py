@@ -26,7 +26,7 @@ Job = tuple[str, Callable[..., Any], tuple]
 """(name for people, importable function, its arguments)."""
 
 START = ("import sys; sys.path[:] = {path!r}; "
-         "from handgen.builder.pool import serve; serve({descriptor})")
+         "from handgen.builder.pool import serve; serve({descriptor}, {kernels})")
 MEMORY_PER_WORKER = 0.75e9
 """Bytes: a worker with its kernels loaded and a hand in the making."""
 
@@ -34,10 +34,10 @@ PR_SET_PDEATHSIG = 1
 
 
 class Workers:
-    """Up to `count` worker processes that hold `lock`; use as a context manager."""
+    """Up to `count` worker processes that hold `lock` and load `kernels` first; a context manager."""
 
-    def __init__(self, count: int, lock: int):
-        self.count, self.lock = count, lock
+    def __init__(self, count: int, lock: int, kernels: tuple[str, ...] = ("cadquery", "manifold3d")):
+        self.count, self.lock, self.kernels = count, lock, kernels
         self.queue: deque[list[Job]] = deque()
         self.processes: dict[Connection, subprocess.Popen] = {}
         self.busy: dict[Connection, list[Job]] = {}
@@ -85,7 +85,7 @@ class Workers:
 
     def _start(self) -> Connection:
         ours, theirs = Pipe()
-        code = START.format(path=sys.path, descriptor=theirs.fileno())
+        code = START.format(path=sys.path, descriptor=theirs.fileno(), kernels=self.kernels)
         self.processes[ours] = subprocess.Popen(
             [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             pass_fds=(theirs.fileno(), self.lock))
@@ -132,12 +132,12 @@ def _available_memory() -> float:
         return 2e9
 
 
-def serve(descriptor: int) -> None:
-    """A worker's life: take a job, do it, answer; ends with the pipe or with its parent."""
+def serve(descriptor: int, kernels: tuple[str, ...]) -> None:
+    """A worker's life: load `kernels`, take a job, do it, answer; ends with the pipe or with its parent."""
     _die_with_parent()
     # A kernel that cannot be loaded is reported by the first job that needs it.
     with contextlib.suppress(ImportError):
-        for kernel in ("cadquery", "manifold3d"):
+        for kernel in kernels:
             import_module(kernel)
     pipe = Connection(descriptor)
     while True:

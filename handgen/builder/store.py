@@ -20,22 +20,26 @@ from pathlib import Path
 
 from handgen.errors import InputError, Problem
 
-SCHEMA = "handgen.manifest/1"
 MANIFEST = "manifest.json"
 CHECKS = "checks.json"
+SCHEMAS = {MANIFEST: "handgen.manifest/1", CHECKS: "handgen.checks/1"}
+"""By its index a folder is known as handgen's: a build's by the manifest, a check's by its report."""
+CHECK_FOLDER = "checks"
+RESULTS = (CHECK_FOLDER,)
+"""Folders that other verbs put beside a build."""
 RENAME_EXCHANGE = 2
 AT_FDCWD = -100
 
 
 class Store:
-    """The folder `final` with the build that lies in it, if any.
+    """The folder `final` with what lies in it, if anything: a build, or what `index` names.
 
     Raises:
         InputError: `final` holds something that handgen did not write.
     """
 
-    def __init__(self, final: Path):
-        self.final = final.resolve()
+    def __init__(self, final: Path, index: str = MANIFEST):
+        self.final, self.index = final.resolve(), index
         self.name = self.final.name
         self.stage = self._beside("building", str(os.getpid()))
         self._check_owned()
@@ -52,14 +56,19 @@ class Store:
             raise refuse("is a file")
         if self.final == self.final.parent or os.path.ismount(self.final):
             raise refuse("is a mount point, which cannot be exchanged")
-        if not self.final.exists() or not any(self.final.iterdir()):
+        if not self.final.exists() or all(self._of_a_verb(entry) for entry in self.final.iterdir()):
             return
         try:
-            schema = json.loads((self.final / MANIFEST).read_bytes())["schema"]
+            schema = json.loads((self.final / self.index).read_bytes())["schema"]
         except (OSError, ValueError, KeyError, TypeError):
-            raise refuse("holds files and no manifest of handgen: not touched") from None
-        if schema != SCHEMA:
-            raise refuse(f"was built as {schema!r}; this version knows {SCHEMA!r}")
+            raise refuse(f"holds files and no {self.index} of handgen: not touched") from None
+        if schema != SCHEMAS[self.index]:
+            raise refuse(f"was written as {schema!r}; this version knows {SCHEMAS[self.index]!r}")
+
+    def _of_a_verb(self, entry: Path) -> bool:
+        """Whether `entry` is another verb's folder, or a lock or staging folder of one."""
+        name = entry.name.removeprefix(".").split(".")[0]
+        return self.index == MANIFEST and name in RESULTS
 
     @contextmanager
     def locked(self, waiting: Callable[[], None]) -> Iterator[int]:
@@ -97,6 +106,13 @@ class Store:
         except FileNotFoundError:
             return None
 
+    def report(self) -> dict | None:
+        """The rules' report of the build in the folder; None if it is missing or damaged."""
+        try:
+            return json.loads((self.final / CHECKS).read_bytes())
+        except (OSError, ValueError):
+            return None
+
     def intact(self, files: dict[str, str]) -> bool:
         """Whether all `files` (path -> sha256) lie in the folder unchanged."""
         return all(digest_file(self.final / path) == sha for path, sha in files.items())
@@ -119,11 +135,16 @@ class Store:
             target.write_bytes(content)
 
     def carry_over(self, owned: set[str]) -> None:
-        """Bring over whatever else lies in the folder: a user's notes, other verbs' results."""
+        """Bring over whatever else lies in the folder: a user's notes, other verbs' results.
+
+        `owned` are paths of files that the build replaces or drops, and of whole folders.
+        """
         for folder, folders, files in os.walk(self.final):
             here = Path(folder).relative_to(self.final)
             for name in folders + files:
                 source, path = Path(folder) / name, here / name
+                if path.parts[0] in owned:
+                    continue
                 if source.is_dir() and not source.is_symlink():
                     if not any(o == str(path) or o.startswith(f"{path}/") for o in owned):
                         (self.stage / path).mkdir(parents=True, exist_ok=True)

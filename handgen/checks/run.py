@@ -46,9 +46,6 @@ SHIPPED: dict[str, Rule] = {
     "solid.watertight": printing.watertight,
     "hinge.strain": motion.strain,
 }
-DEFINITION = ("actuator.layers", "actuator.clearance", "actuator.length", "thread.layer", "thread.gap")
-"""Rules on the parameters alone: they answer before any mesh is made."""
-
 
 @cache
 def registered() -> dict[str, EntryPoint]:
@@ -60,7 +57,7 @@ def registered() -> dict[str, EntryPoint]:
     found: dict[str, EntryPoint] = {}
     for point in entry_points(group=GROUP):
         if point.name in RULES or point.name in found:
-            raise EngineError(f"the rule {point.name!r} is registered twice, the second time by {point.value}")
+            raise EngineError(f"the rule {point.name!r} is registered twice, once by {point.value}")
         found[point.name] = point
     return found
 
