@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from handgen.checks.fff import line_for, line_width, overhang, slices
+from handgen.checks.fff import line_for, line_width, overhang, printed, slices
 from handgen.checks.hanging import Bed, angles, patches, steep
 from handgen.checks.limits import standard
 from handgen.checks.sections import Triangles
@@ -44,9 +44,9 @@ def standing(hand):
 
 class TestLineWidth:
     @pytest.mark.parametrize("wall", [0.4, 0.8, 1.7, 3.1])
-    def test_walls_of_a_tube(self, wall):
-        layers = slices(surface(tube(8.0, wall)).seen_from(np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0]])))
-        for layer in layers:
+    def test_walls_of_a_tube(self, adult, wall):
+        (item,) = printed(adult, part(tube(8.0, wall), (1.0, 0.0, 0.0)))
+        for layer in slices(item):
             assert layer.thickness.min() == pytest.approx(wall, abs=0.012)
             assert layer.thickness.max() < wall + 0.05
 

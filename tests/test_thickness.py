@@ -7,6 +7,7 @@ import pytest
 
 from handgen.geometry import csg
 from handgen.geometry import finger as fingers
+from handgen.geometry.hand import hand_part
 from handgen.geometry.mesh_kernel import evaluate, printable
 from handgen.geometry.profile import FingerProfile
 from handgen.geometry.thickness import Gauge
@@ -229,11 +230,13 @@ def test_planted_shift(adult, seed):
     assert math.hypot(y - 9.25 * math.sin(turn), z - 9.25 * math.cos(turn)) < 3.0
 
 
-def test_thinnest_places_confirmed_by_sections(adult):
+@pytest.mark.parametrize(("which", "below"), [("hand", 2.5), ("finger and tooling", 2.5)])
+def test_thinnest_places_confirmed_by_sections(adult, which, below):
     """The thinnest places of real parts, measured a second time in a plane section through them."""
-    parts = [fingers.exoskeleton(adult, "little"), *tooling(adult, "little")]
+    parts = ([hand_part(adult)] if which == "hand"
+             else [fingers.exoskeleton(adult, "little"), *tooling(adult, "little")])
     meshes = {part.name: part.mesh for part in parts}
-    spots = sorted(((spot, name) for name, mesh in meshes.items() for spot in Gauge(mesh).thin_spots(2.5)),
+    spots = sorted(((spot, name) for name, mesh in meshes.items() for spot in Gauge(mesh).thin_spots(below)),
                    key=lambda found: found[0].thickness)[:10]
     assert len(spots) == 10
     for spot, name in spots:
@@ -241,10 +244,10 @@ def test_thinnest_places_confirmed_by_sections(adult):
         across = np.cross(along, np.eye(3)[np.argmin(abs(along))])
         section = meshes[name].section(plane_origin=spot.middle, plane_normal=across)
         lines = section.vertices[np.vstack([e.nodes for e in section.entities])]
-        # To either side of the place, because an edge may lie in it.
-        aside = 0.01 * np.cross(along, across) / np.linalg.norm(across)
+        # To either side of the place, because an edge may lie in it; beyond it may lie the open air.
+        aside = 1e-3 * np.cross(along, across) / np.linalg.norm(across)
         passed = [crossings(lines, spot.middle + sign * aside, along) for sign in (-1, 1)]
-        walls = [p[p > 0].min() - p[p < 0].max() for p in passed]
+        walls = [p[p > 0].min() - p[p < 0].max() for p in passed if p.min(initial=0) < 0 < p.max(initial=0)]
         assert np.mean(walls) == pytest.approx(spot.thickness, abs=ACCURACY / 2)
 
 

@@ -1,7 +1,7 @@
 """The thumb's rule: its formula against finite elements, its sections against the mesh, its verdicts."""
 
+import dataclasses
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -93,7 +93,7 @@ def test_the_matrix_of_a_section_holds_area_moments_and_second_moments():
 def test_the_sections_are_the_meshs(thin):
     """In the middle of the gap the sheet alone, at the walls its fillet too, and no finger."""
     hand, part = thin
-    sections, stations = thumb.hinge_sections(hand, part.mesh)
+    sections, stations = thumb.hinge_sections(hand, part.triangles)
     o, top = hand.opposition, Hinge(hand).top
     plain = hinge.rectangle(o.sheet_width, top - o.sheet_thickness, top)
     for section, u in zip(sections, stations, strict=True):
@@ -157,25 +157,17 @@ def test_what_bridges_the_gap_beside_the_sheet_is_seen(thin, where):
     low, high = {"roof": ((-3.0, -13.0, above), (length + 3.0, 13.0, above + ROOF)),
                  "side": ((-3.0, 12.0, frame.top - 1.0), (length + 3.0, 12.0 + ROOF, above))}[where]
     plate = csg.box(low, high).placed(frame.rotation, frame.origin)
-    spoiled = SimpleNamespace(mesh=_mesh_of(csg.Union((part.shape, plate))))
+    spoiled = dataclasses.replace(part, shape=csg.Union((part.shape, plate)))
     before, after = judge(hand, part), judge(hand, spoiled)
     assert after.measured < 0.6 * before.measured
     assert after.status == "fail" and "clear the gap" in after.findings[0].fix
 
 
-def _mesh_of(shape):
-    from handgen.geometry.mesh_kernel import evaluate, printable
-
-    return printable(evaluate(shape))
-
-
 def test_a_left_hand_is_judged_as_its_mirror_image(thick):
     hand, part = thick
-    mesh = part.mesh.copy()
-    mesh.vertices[:, 1] *= -1
-    mesh.invert()
+    mirror = dataclasses.replace(part, shape=part.shape.mirrored("y"))
     left = hand.model_copy(update={"side": "left"})
-    right, mirrored = judge(hand, part), judge(left, SimpleNamespace(mesh=mesh))
+    right, mirrored = judge(hand, part), judge(left, mirror)
     assert mirrored.measured == pytest.approx(right.measured, rel=1e-4)
     where = np.multiply(right.findings[0].where, (1, -1, 1))
     assert mirrored.findings[0].where == pytest.approx(where, abs=0.01)

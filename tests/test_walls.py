@@ -12,7 +12,7 @@ from handgen.geometry import csg, palm
 from handgen.geometry.actuator import actuator
 from handgen.geometry.finger import exoskeleton
 from handgen.geometry.hand import hand_part
-from handgen.geometry.mesh_kernel import evaluate, printable
+from handgen.geometry.mesh_kernel import evaluate, triangles
 from handgen.geometry.part import Part
 from handgen.geometry.surface import Surface
 from handgen.geometry.thumb import Hinge
@@ -91,7 +91,7 @@ def body(adult):
 
 def printed(solid):
     part = SimpleNamespace(name=HAND, role="exoskeleton", material="Ninjaflex", path="palm",
-                           mesh=printable(solid))
+                           triangles=triangles(solid))
     return {HAND: part}
 
 
@@ -119,8 +119,7 @@ def test_left_hand_is_judged_as_the_right_one(adult, body):
 @pytest.fixture(scope="module")
 def places(adult, body):
     """Where the bores of the hand have a wall: (points, directions out of the bore)."""
-    mesh = printable(body)
-    surface, known = Surface(mesh.vertices, mesh.faces), [v.wall() for v in voids(adult)]
+    surface, known = Surface(*triangles(body)), [v.wall() for v in voids(adult)]
     origins, directions, distances = (np.concatenate([w[k] for w in known]) for k in range(3))
     there = abs(surface.sight(origins, directions) - distances) < 0.02
     return (origins + distances[:, None] * directions)[there], directions[there]

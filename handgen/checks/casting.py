@@ -49,7 +49,7 @@ def demould(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     findings, worst, unknown = [], [], set()
     for setup, (large, small) in setups(hand, parts, "core_large", "core_small"):
         for core in (large, small):
-            whole = Triangles.of(core.mesh)
+            whole = Triangles.of(core.triangles)
             surface = whole.where(whole.corners[:, :, 0].max(1) > setup.top)
             depth, limit, found = _undercut(setup, core, surface, limits)
             worst.append((depth - limit, depth, limit))
@@ -202,7 +202,7 @@ def split(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     findings, worst, moulds = [], 0.0, 0
     for setup, (a, b) in setups(hand, parts, "mould_a", "mould_b"):
         moulds += 1
-        lower, upper = Triangles.of(a.mesh), Triangles.of(b.mesh)
+        lower, upper = Triangles.of(a.triangles), Triangles.of(b.triangles)
         for half, surface, opens in ((a, lower, -1.0), (b, upper, 1.0)):
             depth, where = behind(surface, setup, opens)
             worst = max(worst, depth)

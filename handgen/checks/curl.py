@@ -35,7 +35,7 @@ class CurlingFinger:
 
     @cached_property
     def surface(self) -> Triangles:
-        return Triangles.of(self.part.mesh)
+        return Triangles.of(self.part.triangles)
 
     def around(self, joint: Joint) -> Triangles:
         """The triangles that the sections across a joint's slot cut, and few others."""

@@ -14,6 +14,7 @@ from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.checks.sections import Outline, Triangles
 from handgen.geometry.palm import facing
 from handgen.geometry.part import Part
+from handgen.geometry.thickness import gauge_of
 from handgen.parameters.model import Hand
 from handgen.parameters.process import PrintProcess
 
@@ -64,7 +65,7 @@ class Printed:
 
     @cached_property
     def surface(self) -> Triangles:
-        return Triangles.of(self.part.mesh).seen_from(self.rotation)
+        return Triangles.of(self.part.triangles).seen_from(self.rotation)
 
     @cached_property
     def bed(self) -> hanging.Bed:
@@ -98,7 +99,7 @@ def line_width(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome
         least, widest, detail = (limits.get(rule, n, item.process.material, item.key)
                                  for n in ("least_line", "widest_line", "detail"))
         low, high = nozzle * least.value, nozzle * widest.value
-        layers = slices(item.surface)
+        layers = slices(item)
         wall = min((w for layer in layers for w in layer.odd(low, high, detail.value)), default=None)
         if wall:
             findings.append(_odd(item, wall, low, least))
@@ -131,6 +132,7 @@ class Wall:
 class Layer:
     """One layer of a part: its outlines at height z, and its walls where they were measured."""
 
+    item: Printed
     z: float
     cut: Outline
     thickness: np.ndarray
@@ -151,7 +153,7 @@ class Layer:
             return []
         gaps = np.linalg.norm(self.cut.middle[:, None] - suspects[None], axis=2).min(1)
         near = self.cut.where(gaps < detail + self.cut.lengths / 2)
-        thickness, at = thicknesses(self.cut, near, CLOSE)
+        thickness, at = thicknesses(self.item, self.z, near, CLOSE)
         odd = line_for(thickness, high) < low - ROUNDING
         thickness, at = thickness[odd], at[odd]
         return [_poorest(thickness[rows], at[rows], self.z, high) for rows in _stretches(at)
@@ -164,19 +166,21 @@ def _poorest(thickness: np.ndarray, at: np.ndarray, z: float, widest: float) -> 
     return Wall(float(lines[i]), float(thickness[i]), (*at[i].tolist(), z))
 
 
-def slices(surface: Triangles) -> list[Layer]:
+def slices(item: Printed) -> list[Layer]:
     """A few layers of a part, not at simple fractions of its height: there lie flat faces."""
-    low, high = surface.vertices[:, 2].min(), surface.vertices[:, 2].max()
-    heights = low + (np.arange(SLICES) + 0.43) / SLICES * (high - low)
-    cuts = [surface.section(2, float(z)) for z in heights]
-    return [Layer(float(z), cut, *thicknesses(cut, cut, max(PACE, cut.lengths.sum() / RAYS)))
-            for z, cut in zip(heights, cuts, strict=True)]
+    low, high = item.surface.vertices[:, 2].min(), item.surface.vertices[:, 2].max()
+    layers = []
+    for z in (low + (np.arange(SLICES) + 0.43) / SLICES * (high - low)).tolist():
+        cut = item.surface.section(2, z)
+        layers.append(Layer(item, z, cut, *thicknesses(item, z, cut, max(PACE, cut.lengths.sum() / RAYS))))
+    return layers
 
 
-def thicknesses(cut: Outline, sources: Outline, pace: float) -> tuple[np.ndarray, np.ndarray]:
+def thicknesses(item: Printed, z: float, sources: Outline, pace: float) -> tuple[np.ndarray, np.ndarray]:
     """(thickness mm, place (n, 2)) of the walls behind `sources`, every `pace` mm along them.
 
-    Straight inwards to the first piece of `cut`, where that faces the other way.
+    `sources` are pieces of the layer's outline at height `z`. Straight inwards within the layer to
+    the first surface, where that faces the other way.
     """
     until = np.cumsum(sources.lengths)
     n = max(1, int(until[-1] / pace))
@@ -185,16 +189,12 @@ def thicknesses(cut: Outline, sources: Outline, pace: float) -> tuple[np.ndarray
     back = ((until[of] - target) / sources.lengths[of])[:, None]
     origin = sources.end[of] - back * (sources.end - sources.start)[of]
     inward = -sources.outward[of]
-    # origin + t inward = start + s along
-    along, to_start = cut.end - cut.start, cut.start[None] - origin[:, None]
-    cross = inward[:, None, 0] * along[None, :, 1] - inward[:, None, 1] * along[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (to_start[..., 0] * along[None, :, 1] - to_start[..., 1] * along[None, :, 0]) / cross
-        s = (to_start[..., 0] * inward[:, None, 1] - to_start[..., 1] * inward[:, None, 0]) / cross
-    t = np.where((s >= 0.0) & (s <= 1.0) & (t > ROUNDING), t, np.inf)
-    first = np.argmin(t, axis=1)
-    distance = t[np.arange(n), first]
-    keep = np.isfinite(distance) & (np.einsum("ij,ij->i", cut.outward[first], -inward) < OPPOSED)
+    level = np.c_[origin, np.full(n, z)], np.c_[inward, np.zeros(n)]
+    rays = gauge_of(item.part.triangles).surface
+    distance, face, _ = rays.shoot(*(v @ item.rotation.T for v in level))
+    across = (rays.normals[face] @ item.rotation)[:, :2]
+    facing = np.einsum("ij,ij->i", across, inward) / np.maximum(np.linalg.norm(across, axis=1), 1e-12)
+    keep = np.isfinite(distance) & (distance > ROUNDING) & (facing > -OPPOSED)
     return distance[keep], origin[keep]
 
 

@@ -73,10 +73,10 @@ def centring(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     least = limits.get(rule, "least_layer")
     findings, thinnest, loosest = [], (float("inf"), ""), None
     for setup, (a, b, base, cap, *cores) in setups(hand, parts, *HANGING):
-        mould = [Triangles.of(half.mesh) for half in (a, b)]
+        *mould, foot, hub = (Triangles.of(p.triangles) for p in (a, b, base, cap))
         for core in cores:
-            surface = Triangles.of(core.mesh)
-            play = _play(setup, mould, Triangles.of(base.mesh), Triangles.of(cap.mesh), surface, limits)
+            surface = Triangles.of(core.triangles)
+            play = _play(setup, mould, hub, foot, surface, limits)
             left, stray, x = min(_layers_left(setup, mould, surface, core.role, play))
             thinnest = min(thinnest, (left, f"{core.name}, which may stray by {stray:.2f} mm at x = {x:.0f}"))
             if left < least.value - ROUNDING:
@@ -115,7 +115,7 @@ def _cavity(setup: Setup, mould: list[Triangles], x: float) -> tuple[np.ndarray,
     return both.where(_farthest(both) < setup.base + LAND / 2).facing(False).circle()
 
 
-def _play(setup: Setup, mould: list[Triangles], base: Triangles, cap: Triangles, core: Triangles,
+def _play(setup: Setup, mould: list[Triangles], cap: Triangles, base: Triangles, core: Triangles,
           limits: Limits) -> Play:
     middle = (setup.seat + setup.top) / 2
     shank = _shank(core.section(0, middle))
@@ -222,7 +222,7 @@ class Fit:
 
 def _fits(setup: Setup, plug: Part, collar: Part, actuator: Part, bore: float, limits: Limits):
     """All fits of one actuator's seal, the plug's squeeze first."""
-    shank, ring, inner = (Triangles.of(p.mesh) for p in (plug, collar, actuator))
+    shank, ring, inner = (Triangles.of(p.triangles) for p in (plug, collar, actuator))
     zero, free = Limit(0.0, "mm", "parts cannot overlap"), Limit(float("inf"), "mm", "")
     at = setup.seal.plug_length / 2
     channel, outside = _radius(inner, at, False), _radius(shank, at, True)
@@ -266,7 +266,7 @@ class Sockets:
         part = self.parts.get("exoskeleton/hand")
         if part is None:
             return None
-        surface = Triangles.of(part.mesh)
+        surface = Triangles.of(part.triangles)
         if self.hand.side == "right":
             return surface
         return Triangles(surface.vertices * (1.0, -1.0, 1.0), surface.faces[:, ::-1])
@@ -276,7 +276,7 @@ class Sockets:
         if self.palm is not None:
             return self._in_palm(setup)
         finger = self.parts.get(f"exoskeleton/{setup.name}")
-        return bore_radius(setup) if finger is None else _radius(Triangles.of(finger.mesh), 0.5, False)
+        return bore_radius(setup) if finger is None else _radius(Triangles.of(finger.triangles), 0.5, False)
 
     def _in_palm(self, setup: Setup) -> float:
         hole = self._seat(setup.name)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.geometry.measure import Facts, measure
+from handgen.geometry.measure import measure_mesh
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
@@ -16,18 +16,12 @@ ROUNDING = 1e-4
 """mm; boxes are those of single-precision meshes."""
 
 
-def facts(part: Part) -> Facts:
-    """What `part`'s triangles enclose and what is wrong with them."""
-    vertices, faces = part.triangles
-    return measure(vertices[faces])
-
-
 def watertight(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     """Every mesh is closed, wound one way, without slivers, and one body."""
     rule, most = "solid.watertight", limits.get("solid.watertight", "faults")
     if not parts:
         return skipped(rule, "no parts in this build")
-    found = {name: facts(part).faults() for name, part in parts.items()}
+    found = {name: measure_mesh(*part.triangles).faults() for name, part in parts.items()}
     findings = [
         Finding(rule, "error", name, float(len(faults)), most.value, most.unit, f"it {', '.join(faults)}",
                 "report it with the parameter file: no build may write such a mesh", most.source)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    import trimesh
+    from handgen.geometry import mesh_kernel
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,9 @@ class Triangles:
     faces: np.ndarray
 
     @classmethod
-    def of(cls, mesh: trimesh.Trimesh) -> Triangles:
-        return cls(np.array(mesh.vertices), np.array(mesh.faces))
+    def of(cls, mesh: mesh_kernel.Triangles) -> Triangles:
+        """The triangles of a part, in double precision."""
+        return cls(np.array(mesh.vertices, float), np.array(mesh.faces))
 
     @cached_property
     def corners(self) -> np.ndarray:

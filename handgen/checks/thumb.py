@@ -59,7 +59,7 @@ def palm_stiffness(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Out
     pressure = limits.get(RULE, "working_pressure")
     abduction = limits.get(RULE, "abduction")
     hinge, length = Hinge(hand), hand.opposition.free_length
-    sections, stations = hinge_sections(hand, parts[HAND].mesh)
+    sections, stations = hinge_sections(hand, parts[HAND].triangles)
     mu, pushing = shear_modulus(hand.casting.silicone.modulus_100), pushers(hand)
 
     def reached(flexible: np.ndarray) -> float:
@@ -131,7 +131,7 @@ def hinge_sections(hand: Hand, mesh) -> tuple[np.ndarray, np.ndarray]:
     """
     hinge, length = Hinge(hand), hand.opposition.free_length
     mirrored = hand.side == "left"
-    vertices = hinge.local(mesh.vertices * ((1, -1, 1) if mirrored else (1, 1, 1)))
+    vertices = hinge.local(np.asarray(mesh.vertices, float) * ((1, -1, 1) if mirrored else (1, 1, 1)))
     tip = hinge.local(on_axis(hand, "thumb", hand.fingers.thumb.outer_length))
     rest = _solid(vertices, mesh.faces[:, ::-1] if mirrored else mesh.faces)
     stations = (np.arange(STATIONS) + 0.5) / STATIONS * length

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from types import SimpleNamespace
 from typing import Literal
 
 import numpy as np
@@ -14,8 +13,7 @@ from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.checks.voids import FIT, STEP, Void, regions, voids
 from handgen.geometry.palm import PART as HAND
 from handgen.geometry.part import Part
-from handgen.geometry.surface import Surface
-from handgen.geometry.thickness import PARALLEL, ROUNDING, Gauge, Spot
+from handgen.geometry.thickness import PARALLEL, ROUNDING, Readings, Spot, gauge_of
 from handgen.parameters.model import Hand
 
 CAST = "actuator"
@@ -40,7 +38,7 @@ def minimum(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     findings, nearest = [], None
     for part in parts.values():
         least, handled = least_wall(hand, part, limits), _handled(part, limits)
-        gauge = Gauge(part.mesh)
+        gauge = gauge_of(part.triangles)
         for spot in gauge.thin_spots(max(least.value, handled.value if handled else 0.0)):
             limit = least if spot.thickness < least.value - ROUNDING or not handled else handled
             findings.append(_thin(part, spot, limit, "error" if limit is least else "warning"))
@@ -91,24 +89,36 @@ def between_bores(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outc
     if part is None:
         return skipped(rule, "no hand in this build")
     limit = least_between(hand, limits)
-    known, gauge = voids(hand), Gauge(_right(hand, part))
-    walls = gauge.walls + gauge.contacts
-    walls = walls.where((walls.parallel > PARALLEL) & (walls.thickness < THICK))
-    owners = np.array([*(sorted({v.owner for v in known}).index(v.owner) for v in known), -1])
-    one, two = _beside(known, walls.points, walls.normals), _beside(known, walls.opposite, -walls.normals)
-    between = np.flatnonzero((one >= 0) & (two >= 0) & (owners[one] != owners[two]))
-    if not len(between):
+    known, gauge = voids(hand), gauge_of(part.triangles)
+    owners = np.array([v.owner for v in known])
+    nearest = _thinnest_between(hand, known, owners, gauge.walls + gauge.contacts)
+    if nearest is None:
         return judged(rule, None, limit.value, f"no wall between two bores is thinner than {THICK:g} mm", [])
-    thinnest = between[walls.thickness[between].argmin()]
     findings = []
     for spot in gauge.thin_spots(limit.value):
-        line = np.subtract(spot.opposite, spot.point) / max(spot.thickness, 1e-9)
-        ends = _beside(known, np.array([spot.point, spot.opposite]), np.array([-line, line]))
+        places = _mirrored(hand, np.array([spot.point, spot.opposite]))
+        line = (places[1] - places[0]) / max(spot.thickness, 1e-9)
+        ends = _beside(known, places, np.array([-line, line]))
         if min(ends) >= 0 and owners[ends[0]] != owners[ends[1]]:
-            findings.append(_shared(hand, part, spot, limit, [known[end] for end in ends]))
-    measured = min([float(walls.thickness[thinnest]), *(f.measured for f in findings)])
-    return judged(rule, measured, limit.value,
-                  f"thinnest between {known[one[thinnest]].name} and {known[two[thinnest]].name}", findings)
+            findings.append(_shared(part, spot, limit, [known[end] for end in ends]))
+    thickness, one, two = nearest
+    return judged(rule, min([thickness, *(f.measured for f in findings)]), limit.value,
+                  f"thinnest between {one.name} and {two.name}", findings)
+
+
+def _thinnest_between(hand: Hand, known: list[Void], owners: np.ndarray, walls: Readings
+                      ) -> tuple[float, Void, Void] | None:
+    """(thickness mm, the voids to both sides) of the thinnest wall between two actuators' voids."""
+    walls = walls.where((walls.parallel > PARALLEL) & (walls.thickness < THICK))
+    outward = _mirrored(hand, walls.normals)
+    one = _beside(known, _mirrored(hand, walls.points), outward)
+    here = np.flatnonzero(one >= 0)
+    one, two = one[here], _beside(known, _mirrored(hand, walls.opposite[here]), -outward[here])
+    apart = (two >= 0) & (owners[one] != owners[two])
+    if not apart.any():
+        return None
+    at = int(np.where(apart, walls.thickness[here], np.inf).argmin())
+    return float(walls.thickness[here[at]]), known[one[at]], known[two[at]]
 
 
 def least_between(hand: Hand, limits: Limits) -> Limit:
@@ -130,13 +140,13 @@ def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
     if part is None:
         return skipped(rule, "no hand in this build")
     limit = limits.get(rule, "opening", *_kinds(part))
-    mesh, known = _right(hand, part), voids(hand)
-    surface = Surface(mesh.vertices, mesh.faces)
+    surface, known = gauge_of(part.triangles).surface, voids(hand)
     places: dict[str, list] = {v.name: [v] for v in known} | dict(regions(hand))
     findings, largest = [], 0.0
     for void in known:
         origins, directions, distances, share = void.wall()
-        gone = surface.sight(origins, directions) > distances + GONE
+        seen = surface.sight(_mirrored(hand, origins), _mirrored(hand, directions))
+        gone = seen > distances + GONE
         wall = origins + distances[:, None] * directions
         for name in set(void.into) - {void.name}:
             for place in places.get(name, ()):
@@ -149,18 +159,9 @@ def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
     return judged(rule, largest, limit.value, "largest opening in a bore's wall", findings)
 
 
-def _right(hand: Hand, part: Part) -> SimpleNamespace:
-    """The part's mesh as that of a right hand, in whose frame the voids are known."""
-    vertices, faces = np.array(part.mesh.vertices), np.array(part.mesh.faces)
-    if hand.side == "left":
-        return SimpleNamespace(vertices=vertices * (1, -1, 1), faces=faces[:, ::-1])
-    return SimpleNamespace(vertices=vertices, faces=faces)
-
-
-def _own(hand: Hand, point: np.ndarray) -> tuple[float, float, float]:
-    """A point of the right hand's frame in this hand's."""
-    x, y, z = (float(v) for v in point)
-    return (x, -y if hand.side == "left" else y, z)
+def _mirrored(hand: Hand, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) of this hand in the frame of a right one, where the voids are known, and back."""
+    return vectors * (1.0, -1.0, 1.0) if hand.side == "left" else vectors
 
 
 def _beside(known: list[Void], points: np.ndarray, outward: np.ndarray) -> np.ndarray:
@@ -168,8 +169,9 @@ def _beside(known: list[Void], points: np.ndarray, outward: np.ndarray) -> np.nd
     found = np.full(len(points), -1)
     for off in OFF:
         left = np.flatnonzero(found < 0)
+        places = points[left] + off * outward[left]
         for number, void in enumerate(known):
-            found[left[void.holds(points[left] + off * outward[left])]] = number
+            found[left[void.holds(places)]] = number
     return found
 
 
@@ -180,12 +182,12 @@ def _thin(part: Part, spot: Spot, limit: Limit, severity: Literal["error", "warn
         limit.source, spot.middle)
 
 
-def _shared(hand: Hand, part: Part, spot: Spot, limit: Limit, ends: list[Void]) -> Finding:
+def _shared(part: Part, spot: Spot, limit: Limit, ends: list[Void]) -> Finding:
     one, two = ends
     return Finding(
         "wall.between-bores", "error", part.name, spot.thickness, limit.value, limit.unit,
         f"{one.name} and {two.name} leave {spot.thickness:.2f} mm between them, over {spot.area:.1f} mm2",
-        f"move one of them: {one.path} or {two.path}", limit.source, _own(hand, spot.middle))
+        f"move one of them: {one.path} or {two.path}", limit.source, spot.middle)
 
 
 def _broken(hand: Hand, part: Part, void: Void, hole: np.ndarray, across: float, limit: Limit,
@@ -195,7 +197,8 @@ def _broken(hand: Hand, part: Part, void: Void, hole: np.ndarray, across: float,
     return Finding(
         "bore.breakthrough", "error", part.name, across, limit.value, limit.unit,
         f"{void.name} breaks through into {' and '.join(met) or 'the open'}: {across:.1f} mm wide",
-        f"move it, or thicken the palm around it: {void.path}", limit.source, _own(hand, middle))
+        f"move it, or thicken the palm around it: {void.path}", limit.source,
+        tuple(_mirrored(hand, middle).tolist()))
 
 
 def _patches(points: np.ndarray) -> list[np.ndarray]:

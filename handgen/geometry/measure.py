@@ -59,15 +59,21 @@ def read_stl(content: bytes) -> np.ndarray:
 
 
 def measure(corners: np.ndarray) -> Facts:
-    """Facts about the triangles with `corners` (n, 3, 3), mm."""
-    faces, count = _weld(corners)
-    points = corners.astype(float)
-    a, b, c = points.transpose(1, 0, 2)
+    """Facts about the triangles with `corners` (n, 3, 3), mm: an STL, which names no vertices."""
+    return measure_mesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+
+
+def measure_mesh(vertices: np.ndarray, faces: np.ndarray) -> Facts:
+    """Facts about the triangles `faces` (n, 3) of `vertices` (m, 3), mm; equal vertices are one."""
+    points, number = vertices.astype(float), _weld(vertices)
+    welded = number[faces]
+    a, b, c = points[faces].transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     areas = 0.5 * np.sqrt(np.einsum("ij,ij->i", normals, normals))
-    collapsed = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
-    unpaired, bodies = _connect(faces, count)
-    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    collapsed = (welded == np.roll(welded, 1, axis=1)).any(axis=1)
+    unpaired, bodies = _connect(welded, int(number.max()) + 1)
+    used = points[np.unique(faces)]
+    low, high = used.min(axis=0), used.max(axis=0)
     # About the middle of the box: far from the origin the sum would lose digits.
     volume = np.einsum("ij,ij->", a - (low + high) / 2, normals) / 6.0
     return Facts(
@@ -81,15 +87,15 @@ def measure(corners: np.ndarray) -> Facts:
     )
 
 
-def _weld(corners: np.ndarray) -> tuple[np.ndarray, int]:
-    """(faces (n, 3) of vertex numbers, number of vertices); equal coordinates are one vertex."""
-    code = np.zeros(corners.shape[0] * 3, np.int64)
+def _weld(points: np.ndarray) -> np.ndarray:
+    """The number of each of `points` (n, 3); equal coordinates are one vertex."""
+    code = np.zeros(len(points), np.int64)
     for axis in range(3):
-        values, rank = np.unique(corners[:, :, axis].reshape(-1), return_inverse=True)
+        values, rank = np.unique(points[:, axis], return_inverse=True)
         code = code * len(values) + rank
         # Renumbered after every axis, so that the product cannot overflow.
-        known, code = np.unique(code, return_inverse=True)
-    return code.reshape(-1, 3), len(known)
+        _, code = np.unique(code, return_inverse=True)
+    return code
 
 
 def _connect(faces: np.ndarray, count: int) -> tuple[int, int]:
@@ -98,11 +104,13 @@ def _connect(faces: np.ndarray, count: int) -> tuple[int, int]:
     from scipy.sparse.csgraph import connected_components
 
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
-    forward, backward = start * count + end, end * count + start
-    known, first, times = np.unique(forward, return_index=True, return_counts=True)
-    at = np.minimum(np.searchsorted(known, backward), len(known) - 1)
-    paired = (known[at] == backward) & (times[at] == 1) & (times[np.searchsorted(known, forward)] == 1)
-    edges = np.flatnonzero(paired)
-    links = (np.ones(len(edges), bool), (edges // 3, first[at[edges]] // 3))
+    code = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(code, kind="stable")
+    runs = np.flatnonzero(np.diff(code[order], prepend=-1))
+    first = runs[np.diff(runs, append=len(order)) == 2]
+    one, two = order[first], order[first + 1]
+    paired = start[one] == end[two]
+    one, two = one[paired] // 3, two[paired] // 3
+    links = (np.ones(len(one), bool), (one, two))
     bodies, _ = connected_components(coo_array(links, shape=(len(faces),) * 2), directed=False)
-    return int(len(forward) - len(edges)), int(bodies)
+    return len(start) - 2 * len(one), int(bodies)

@@ -15,6 +15,7 @@ maker. What is left is measured again, exactly: the least distance of the two su
 from __future__ import annotations
 
 import math
+import weakref
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -24,7 +25,7 @@ import numpy as np
 from handgen.geometry.surface import Edges, Surface, nearest
 
 if TYPE_CHECKING:
-    import trimesh
+    from handgen.geometry.mesh_kernel import Triangles
 
 FACING = math.cos(math.radians(37.0))
 """Surfaces that include a larger angle are no wall."""
@@ -112,7 +113,7 @@ class Gauge:
     Deterministic: the same triangles give the same readings.
     """
 
-    def __init__(self, mesh: trimesh.Trimesh):
+    def __init__(self, mesh: Triangles):
         self.surface = Surface(mesh.vertices, mesh.faces)
 
     @cached_property
@@ -203,11 +204,13 @@ class Gauge:
             _, far, facing = self.surface.shoot(points, -away / np.linalg.norm(away, axis=1)[:, None])
             inward = self.surface.normals[far]
             astride = -np.maximum(np.einsum("ij,ij->i", one, inward), np.einsum("ij,ij->i", two, inward))
-            distance, far, square = self.surface.shoot(points, inward)
-            hit = (facing > FACING) & (square > PARALLEL) & (astride > ASTRIDE)
-            struck = points + np.where(hit, distance, 0.0)[:, None] * inward
+            faced = (facing > FACING) & (astride > ASTRIDE)
+            start, inward = points[faced], inward[faced]
+            distance, far, square = self.surface.shoot(start, inward)
+            hit = square > PARALLEL
+            struck = start + np.where(hit, distance, 0.0)[:, None] * inward
             normals = self.surface.normals[far]
-            found.append(Readings(struck, normals, distance, points, square, astride).where(hit))
+            found.append(Readings(struck, normals, distance, start, square, astride[faced]).where(hit))
         return found[0] + found[1] + found[2]
 
     def _spot(self, seeds: Readings, area: float) -> Spot:
@@ -247,6 +250,18 @@ class Gauge:
             if before - thickness < 1e-6:
                 break
         return here, there
+
+
+_GAUGES: dict[int, Gauge] = {}
+
+
+def gauge_of(mesh: Triangles) -> Gauge:
+    """The gauge on `mesh`, made once for as long as its array of vertices lives."""
+    key = id(mesh.vertices)
+    if key not in _GAUGES:
+        _GAUGES[key] = Gauge(mesh)
+        weakref.finalize(mesh.vertices, _GAUGES.pop, key)
+    return _GAUGES[key]
 
 
 def _across(surface: Surface, faces: np.ndarray, point: np.ndarray, line: np.ndarray,
