@@ -93,7 +93,7 @@ def test_a_failing_design_exits_1_and_says_how_to_mend_it(build, capsys):
     assert cli.main(["build", ADULT]) == 1
     err = capsys.readouterr().err
     assert all(words in err for words in
-               ("wall.minimum", "a wall is too thin", "raise base_outer_diameter", "nothing was written"))
+               ("wall.minimum", "a wall is too thin", "raise base_outer_diameter", "nothing printable"))
 
 
 def test_quiet_says_nothing(build, capsys):

@@ -224,6 +224,7 @@ class _Build:
         written = {MANIFEST: manifest.to_bytes(document), CHECKS: manifest.to_bytes(report)}
         if self.changed or not self.store.same(written):
             self.store.write(written)
-            self.store.carry_over({*(self.previous or {}).get("files", ()), MANIFEST, CHECKS, CHECK_FOLDER})
+            self.store.carry_over({*(self.previous or {}).get("files", ()), MANIFEST, CHECKS,
+                                    CHECK_FOLDER, f".{CHECK_FOLDER}.lock"})
             self.store.commit()
         return _result(self.loaded, self.store, report, document)

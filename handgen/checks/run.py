@@ -164,4 +164,8 @@ def _idle(outcome: Outcome, override: Override) -> Finding:
 
 
 def _rounded(row: dict[str, Any]) -> dict[str, Any]:
-    return {k: round(v, 6) if isinstance(v, float) else v for k, v in row.items()}
+    """The row as JSON brings it back."""
+    plain = {k: round(float(v), 6) if isinstance(v, float) else v for k, v in row.items()}
+    if plain.get("where") is not None:
+        plain["where"] = [round(float(v), 3) for v in plain["where"]]
+    return plain

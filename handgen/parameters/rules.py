@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
-from handgen.parameters.quantity import Model, item
+from handgen.parameters.quantity import Model, item, quantity
 
 Reason = Annotated[str, Field(min_length=3, max_length=400)]
 
@@ -14,7 +14,7 @@ Reason = Annotated[str, Field(min_length=3, max_length=400)]
 class OwnLimit(Model):
     """A number in the place of the shipped one, in that limit's unit."""
 
-    value: float = item("the limit, in the shipped limit's unit")
+    value: float = quantity("that of the shipped limit", -1e6, 1e6, "the limit")
     reason: Reason = item("why this number; it stands in the findings as their source")
 
 
@@ -23,7 +23,7 @@ class OwnLimits(Model):
 
     model_config = ConfigDict(populate_by_name=False)
 
-    value: float | None = item("the limit, in the shipped limit's unit", default=None)
+    value: float | None = item("the limit, in the shipped limit's unit", default=None, ge=-1e6, le=1e6)
     reason: Reason | None = item("why this number", default=None)
     for_: dict[str, OwnLimit] = Field(
         default_factory=dict, alias="for", description="material, print process or role -> its own limit")
