@@ -156,10 +156,17 @@ FILES = [
     variant(
         "curled-through",
         "fingers: {index: {joints: ["
-        "{name: A, position: 16, slot_length: 9, palmar_arc: 80, rest_angle: 70}, "
-        "{name: B, position: 46, slot_length: 9, palmar_arc: 80, rest_angle: 70}, "
-        "{name: C, position: 76, slot_length: 9, palmar_arc: 80, rest_angle: 70}]}}\n",
+        "{name: A, position: 16, slot_length: 14, palmar_arc: 80, rest_angle: 70}, "
+        "{name: B, position: 46, slot_length: 14, palmar_arc: 80, rest_angle: 70}, "
+        "{name: C, position: 76, slot_length: 14, palmar_arc: 80, rest_angle: 70}]}}\n",
         {"fingers.index.joints": "add up"},
+    ),
+    variant(
+        "strip-bent-into-itself",
+        "fingers: {index: {joints: ["
+        "{name: A, position: 16, slot_length: 9, palmar_arc: 80, rest_angle: 48}, "
+        "{name: B, position: 46, slot_length: 9, palmar_arc: 80, rest_angle: 49}]}}\n",
+        {"fingers.index.joints[1].rest_angle": "into itself"},
     ),
     variant(
         "finger-without-actuator", "actuators: {ring: null}\n", {"actuators.ring": "ring has no actuator"}

@@ -5,6 +5,7 @@ anywhere, any layers that leave room for a core. `files()` draws plain data; `wr
 """
 
 import copy
+import math
 from pathlib import Path
 
 import yaml
@@ -71,7 +72,7 @@ def _exoskeleton(draw: st.DrawFn, finger: dict) -> None:
     finger["tip_outer_diameter"] = round(tip + 2 * tip_wall, 3)
     if draw(st.booleans()):
         finger["taper"] = draw(tapers())
-    finger["joints"] = draw(joints(finger["inner_length"]))
+    finger["joints"] = draw(joints(finger["inner_length"], finger["base_outer_diameter"]))
     finger["placement"]["splay"] += draw(number(-8, 8))
 
 
@@ -86,8 +87,11 @@ def tapers(draw: st.DrawFn) -> list[list[float]]:
 
 
 @st.composite
-def joints(draw: st.DrawFn, inner_length: float) -> list[dict]:
-    """One to four joints anywhere on a finger, slots and phalanges of any length that fits."""
+def joints(draw: st.DrawFn, inner_length: float, diameter: float) -> list[dict]:
+    """One to four joints anywhere on a finger, slots and phalanges of any length that fits.
+
+    Slots too short for a rest angle get none.
+    """
     count = draw(st.integers(1, 4))
     # Ring, slot, phalanx, slot, ..., ring: each gets its least and a random share of the rest.
     least = [1.01] + [2.01] * (2 * count - 1) + [1.01]
@@ -103,7 +107,8 @@ def joints(draw: st.DrawFn, inner_length: float) -> list[dict]:
             "position": round(start + slot / 2, 3),
             "slot_length": round(min(slot, 39.0), 3),
             "palmar_arc": draw(number(40, 170)),
-            "rest_angle": draw(st.sampled_from([0.0, 0.0, 10.0, 30.0])),
+            "rest_angle": draw(st.sampled_from([a for a in (0.0, 0.0, 10.0, 30.0)
+                                                if slot - math.radians(a) * diameter / 2 > 0.51])),
         })
         start += slot
     return found

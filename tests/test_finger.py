@@ -9,6 +9,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from handgen.geometry import brep_kernel
 from handgen.geometry import finger as fingers
 from handgen.geometry.csg import Revolve
 from handgen.geometry.mesh_kernel import evaluate, printable
@@ -132,6 +133,15 @@ def test_curled_brep_is_the_same_finger(adult):
     hand = adult.model_copy(update={"fingers": curled})
     part = fingers.exoskeleton(hand, "index")
     assert part.mesh.volume == pytest.approx(part.solid.Volume(), rel=5e-3)
+
+
+def test_a_strip_bent_as_sharply_as_it_can_be_is_the_same_in_both_kernels(adult):
+    """48 degrees in 9 mm: the corners give way until the strip's palmar side keeps half a millimetre."""
+    curled = curl(adult.fingers.index, (48.0, 0.0, 0.0))
+    shape = fingers.shape(curled, adult.exoskeleton.joint_fillet)
+    (a, b, bend), *_ = fingers.Axis(FingerProfile(curled), adult.exoskeleton.joint_fillet).bends
+    assert b - a - bend * curled.base_outer_diameter / 2 == pytest.approx(0.5)
+    assert evaluate(shape).volume() == pytest.approx(brep_kernel.evaluate(shape).Volume(), rel=5e-3)
 
 
 def test_axis_keeps_its_length(adult):

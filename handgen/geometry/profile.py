@@ -152,10 +152,14 @@ class FingerProfile:
         return radius if radius.ndim else float(radius)
 
     def fillet(self, joint: Joint, wanted: float) -> float:
-        """Radius in a slot's corners: at most a quarter of the slot or of its open arc."""
+        """Radius in a slot's corners: at most a quarter of the slot or of its open arc.
+
+        Between the corners the strip of a joint with a rest angle must find room for its bend.
+        """
         middle = self.bore_radius(joint.position)
         open_arc = math.radians(360.0 - joint.palmar_arc) * middle
-        return min(wanted, joint.slot_length / 4.0, open_arc / 8.0)
+        bent = max(0.0, derive.palmar_fold(self.finger, joint) - derive.LEAST_FOLD) / 2.0
+        return min(wanted, joint.slot_length / 4.0, open_arc / 8.0, bent)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 
-from handgen.parameters.finger import Actuator, Finger, Layers
+from handgen.parameters.finger import Actuator, Finger, Joint, Layers
 
+LEAST_FOLD = 0.5
+"""Least length, mm, of a strip's palmar side as printed with its rest angle: with less it folds up."""
 STRAIGHT = ([0.0, 0.0], [1.0, 1.0])
 """Taper of an actuator that fills no finger."""
 
@@ -46,6 +49,15 @@ def stations(actuator: Actuator, finger: Finger | None) -> Sequence[Sequence[flo
     if actuator.taper is not None:
         return actuator.taper
     return STRAIGHT if finger is None else finger.taper
+
+
+def palmar_fold(finger: Finger, joint: Joint) -> float:
+    """Length, mm, that the palmar side of a joint's strip keeps when all of the slot is bent.
+
+    The axis keeps its length; the finger's outside lies on the inner side of the bend. Judged by
+    the finger's radius at its base, its largest.
+    """
+    return joint.slot_length - math.radians(joint.rest_angle) * finger.base_outer_diameter / 2
 
 
 def tightest(actuator: Actuator, finger: Finger) -> tuple[float, float, float]:

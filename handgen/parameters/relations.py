@@ -6,6 +6,7 @@ file that could be read, even when others are bad, so that a user sees everythin
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -206,6 +207,13 @@ def curl(finger: Finger, at: Path) -> Iterator[Fault]:
     if total > MOST_CURL + ROUNDING:
         yield Fault((*at, "joints"), "the rest angles add up to too much", total,
                     f"at most {MOST_CURL:g} deg in sum")
+    for i, joint in enumerate(finger.joints):
+        if derive.palmar_fold(finger, joint) < derive.LEAST_FOLD - ROUNDING:
+            room = math.degrees(2 * (joint.slot_length - derive.LEAST_FOLD) / finger.base_outer_diameter)
+            yield Fault((*at, "joints", i, "rest_angle"),
+                        f"bends the strip of {joint.name} into itself: its palmar side needs"
+                        f" {derive.LEAST_FOLD:g} mm of the slot's {joint.slot_length:g} mm",
+                        joint.rest_angle, f"at most {max(room, 0.0):.4g} deg, or a longer slot")
 
 
 # An actuator
