@@ -14,7 +14,7 @@ from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.checks.sections import Outline, Triangles
 from handgen.geometry.palm import facing
 from handgen.geometry.part import Part
-from handgen.geometry.thickness import gauge_of
+from handgen.geometry.thickness import FACING, gauge_of
 from handgen.parameters.model import Hand
 from handgen.parameters.process import PrintProcess
 
@@ -180,7 +180,8 @@ def thicknesses(item: Printed, z: float, sources: Outline, pace: float) -> tuple
     """(thickness mm, place (n, 2)) of the walls behind `sources`, every `pace` mm along them.
 
     `sources` are pieces of the layer's outline at height `z`. Straight inwards within the layer to
-    the first surface, where that faces the other way.
+    the first surface, where that faces the other way: in the layer, and in space, or the layer
+    passes through a corner that is as thin only here.
     """
     until = np.cumsum(sources.lengths)
     n = max(1, int(until[-1] / pace))
@@ -191,10 +192,15 @@ def thicknesses(item: Printed, z: float, sources: Outline, pace: float) -> tuple
     inward = -sources.outward[of]
     level = np.c_[origin, np.full(n, z)], np.c_[inward, np.zeros(n)]
     rays = gauge_of(item.part.triangles).surface
-    distance, face, _ = rays.shoot(*(v @ item.rotation.T for v in level))
+    start, heading = (v @ item.rotation.T for v in level)
+    distance, face, _ = rays.shoot(start, heading)
     across = (rays.normals[face] @ item.rotation)[:, :2]
     facing = np.einsum("ij,ij->i", across, inward) / np.maximum(np.linalg.norm(across, axis=1), 1e-12)
     keep = np.isfinite(distance) & (distance > ROUNDING) & (facing > -OPPOSED)
+    distance, origin, start, heading, face = (
+        v[keep] for v in (distance, origin, start, heading, face))
+    _, back, _ = rays.shoot(start + distance[:, None] * heading, -heading)
+    keep = np.einsum("ij,ij->i", rays.normals[face], rays.normals[back]) < -FACING
     return distance[keep], origin[keep]
 
 
