@@ -271,18 +271,20 @@ def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
         bridge, reach, bed, least = (limits.get(rule, n, item.process.material, item.key)
                                      for n in ("bridge", "reach", "bed", "least_area"))
         mask = hanging.steep(item.surface, angle, bed.value)
-        supported = 0.0
+        supported, largest = 0.0, None
         for patch in hanging.patches(item.surface, mask):
             hard = patch.reach() > reach.value + ROUNDING
             helped = hard & item.supports(patch.places)
             supported += patch.share * float(helped.sum())
+            if helped.any() and (largest is None or helped.sum() > len(largest)):
+                largest = patch.places[helped]
             span = patch.span(hard & ~helped)
             bad = hard & ~helped & (span > bridge.value + ROUNDING)
             if patch.share * bad.sum() > least.value + ROUNDING:
                 steepest = max(steepest, patch.angle)
                 findings.append(_in_the_air(item, patch, bad, span, bridge, reach))
         if supported > least.value:
-            findings.append(_supported(item, supported, angle))
+            findings.append(_supported(item, supported, angle, largest))
     if not items:
         return skipped(rule, "nothing is printed")
     return judged(rule, steepest, angle, "steepest surface that nothing holds; 0: none", findings)
@@ -308,8 +310,9 @@ def _in_the_air(item: Printed, patch: hanging.Patch, bad: np.ndarray, span: np.n
         f"allow support ({where}), or turn the part", limit.source, item.own(patch.places[at]))
 
 
-def _supported(item: Printed, area: float, angle: float) -> Finding:
+def _supported(item: Printed, area: float, angle: float, places: np.ndarray) -> Finding:
+    middle = places[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
     return Finding(
         "print.overhang", "info", item.part.name, area, None, "mm2",
         f"{area:.0f} mm2 steeper than {angle:g} deg are supported ({item.support})",
-        "clean them after the print", "Table B.1")
+        "clean them after the print", "Table B.1", item.own(middle))

@@ -85,8 +85,11 @@ def centring(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
                 loosest = _loose(core, play.loose_at(x), x)
     if not thinnest[1]:
         return skipped(rule, "no moulds")
-    return judged(rule, thinnest[0], least.value, f"thinnest layer around {thinnest[1]}",
-                  findings + [loosest] * (loosest is not None))
+    reason = f"thinnest layer around {thinnest[1]}"
+    if loosest:
+        reason += f"; flanges held down, else {loosest.part} could lean by {loosest.measured:.1f} mm"
+        findings.append(loosest)
+    return judged(rule, thinnest[0], least.value, reason, findings)
 
 
 def _layers_left(setup: Setup, mould: list[Triangles], core: Triangles, role: str,

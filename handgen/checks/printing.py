@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.geometry.measure import measure_mesh
+from handgen.geometry.measure import fault_place, measure_mesh
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
@@ -24,7 +24,8 @@ def watertight(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome
     found = {name: measure_mesh(*part.triangles).faults() for name, part in parts.items()}
     findings = [
         Finding(rule, "error", name, float(len(faults)), most.value, most.unit, f"it {', '.join(faults)}",
-                "report it with the parameter file: no build may write such a mesh", most.source)
+                "report it with the parameter file: no build may write such a mesh", most.source,
+                fault_place(*parts[name].triangles))
         for name, faults in found.items() if len(faults) > most.value
     ]
     worst = max(len(faults) for faults in found.values())

@@ -148,11 +148,12 @@ def _ballooning(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]
         if severity == "error":
             yield w.gap / limit, w.gap, limit
         if w.gap > limit + ROUNDING:
-            findings.append(_balloons(w, severity, limit, at, wall, pressure))
+            least = limits.get("thread.gap", "least_gap", silicone.name)
+            findings.append(_balloons(w, severity, limit, at, wall, pressure, least))
 
 
-def _balloons(w: Winding, severity: str, limit: float, x: float, wall: bulge.Wall, pressure: Limit
-              ) -> Finding:
+def _balloons(w: Winding, severity: str, limit: float, x: float, wall: bulge.Wall, pressure: Limit,
+              least: Limit) -> Finding:
     angle = wall.half_angle(pressure.value * KPA, w.gap)
     how = (f"bulges {bulge.height(angle, w.gap):.2f} mm, stretched {bulge.stretch(angle):.1f} times"
            if math.isfinite(angle) else "balloons without end")
@@ -160,10 +161,18 @@ def _balloons(w: Winding, severity: str, limit: float, x: float, wall: bulge.Wal
     return Finding(
         "thread.gap", severity, f"actuators/{w.name}", w.gap, limit, "mm",
         f"at {pressure.value:g} kPa the inner layer of {wall.thread - wall.inside:.2f} mm {how}"
-        f" between turns {w.gap:.2f} mm apart{held}",
-        f"wind at a pitch of {math.floor(100 * (limit + w.thread.diameter)) / 100:g} mm or less,"
-        " or thicken layers.internal",
+        f" between turns {w.gap:.2f} mm apart{held}", _closer(w, limit, least),
         f"half circle between two rings (handgen.mechanics.bulge); {pressure.source}", w.spot(x))
+
+
+def _closer(w: Winding, limit: float, least: Limit) -> str:
+    """The mend for a wall that balloons: a pitch if there is one at which silicone still flows."""
+    thicken = f"thicken layers.internal or widen actuators.{w.name}.tip_outer_diameter"
+    pitch = math.floor(100 * (limit + w.thread.diameter)) / 100
+    if pitch < least.value + w.thread.diameter - ROUNDING:
+        return (f"{thicken}: turns near enough, at {pitch:g} mm, would lie less than {least.value:g} mm apart"
+                " and keep the silicone out")
+    return f"wind at a pitch of {pitch:g} mm or less (actuators.{w.name}.thread.pitch), or {thicken}"
 
 
 def _stations(hand: Hand, w: Winding) -> np.ndarray:

@@ -98,11 +98,33 @@ def _weld(points: np.ndarray) -> np.ndarray:
     return code
 
 
+def fault_place(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, float, float] | None:
+    """Where a mesh is at fault: amid its open edges, else on its smallest body, else a flat triangle."""
+    points, number = vertices.astype(float), _weld(vertices)
+    welded = number[faces]
+    one, two = _partners(welded, int(number.max()) + 1)
+    alone = np.setdiff1d(np.arange(faces.size), np.concatenate([one, two]))
+    if len(alone):
+        middles = (points[faces.ravel()[alone]] + points[np.roll(faces, -1, axis=1).ravel()[alone]]) / 2
+        # Nearest to the middle of all, so that the place lies on an edge.
+        return tuple(middles[np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin()].tolist())
+    corners = points[faces]
+    count, body = _bodies(one, two, len(faces))
+    if count > 1:
+        small = corners[body == np.bincount(body).argmin()]
+        return tuple(small.mean(axis=(0, 1)).tolist())
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    return tuple(corners[areas.argmin()].mean(axis=0).tolist()) if areas.min() < FLAT else None
+
+
 def _connect(faces: np.ndarray, count: int) -> tuple[int, int]:
     """(directed edges without exactly one partner, bodies joined by paired edges)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    one, two = _partners(faces, count)
+    return faces.size - 2 * len(one), _bodies(one, two, len(faces))[0]
 
+
+def _partners(faces: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the directed edges (face * 3 + side) that run along one another once in either direction."""
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     code = np.minimum(start, end) * count + np.maximum(start, end)
     order = np.argsort(code, kind="stable")
@@ -110,7 +132,14 @@ def _connect(faces: np.ndarray, count: int) -> tuple[int, int]:
     first = runs[np.diff(runs, append=len(order)) == 2]
     one, two = order[first], order[first + 1]
     paired = start[one] == end[two]
-    one, two = one[paired] // 3, two[paired] // 3
-    links = (np.ones(len(one), bool), (one, two))
-    bodies, _ = connected_components(coo_array(links, shape=(len(faces),) * 2), directed=False)
-    return len(start) - 2 * len(one), int(bodies)
+    return one[paired], two[paired]
+
+
+def _bodies(one: np.ndarray, two: np.ndarray, count: int) -> tuple[int, np.ndarray]:
+    """(bodies, that of each of `count` faces) joined by the paired edges `one` and `two`."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = (np.ones(len(one), bool), (one // 3, two // 3))
+    bodies, body = connected_components(coo_array(links, shape=(count, count)), directed=False)
+    return int(bodies), body
