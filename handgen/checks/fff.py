@@ -172,7 +172,9 @@ def slices(item: Printed) -> list[Layer]:
     layers = []
     for z in (low + (np.arange(SLICES) + 0.43) / SLICES * (high - low)).tolist():
         cut = item.surface.section(2, z)
-        layers.append(Layer(item, z, cut, *thicknesses(item, z, cut, max(PACE, cut.lengths.sum() / RAYS))))
+        if len(cut):  # between bodies that do not touch there is nothing
+            pace = max(PACE, cut.lengths.sum() / RAYS)
+            layers.append(Layer(item, z, cut, *thicknesses(item, z, cut, pace)))
     return layers
 
 

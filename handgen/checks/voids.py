@@ -21,8 +21,8 @@ from handgen.parameters.model import OPPOSITION, Hand
 
 FIT = 0.05
 """A place this near to a void belongs to it, mm: cutters overlap, chords fall short."""
-STEP = 0.7
-"""Distance of the places at which a void's wall is asked for, mm."""
+STEP = 0.4
+"""Distance of the places at which a void's wall is asked for, mm: a hole of a line's width is met."""
 OPEN_END = 0.5
 """How far before an end the places on the mantle stop, mm: ends meet their neighbours there."""
 
@@ -32,7 +32,8 @@ class Void:
     """A round hollow: its radius along the axis, whose actuator it is for, what it may open into.
 
     `rows` are the axes as columns, x along the hollow; `into` are the names of other voids.
-    `closed` are the stretches of the axis along which a wall must lie all round, mm from `start`.
+    `closed` are the stretches of the axis along which a wall must lie all round, mm from `start`;
+    `strips` those with a wall on the palmar side only, each with its arc in degrees.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Void:
     into: tuple[str, ...]
     closed: tuple[tuple[float, float], ...]
     blind: bool
+    strips: tuple[tuple[float, float, float], ...] = ()
 
     def holds(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
         """Which points (n, 3) lie inside, or within `margin` mm of it."""
@@ -66,11 +68,14 @@ class Void:
         origins, directions, distances = [], [], []
         turns = np.linspace(0.0, 2 * np.pi, max(12, int(2 * np.pi * self.widest / STEP)), endpoint=False)
         around = np.c_[np.zeros(len(turns)), np.cos(turns), np.sin(turns)]
-        for low, high in self.closed:
+        for low, high, arc in (*((*ends, 360.0) for ends in self.closed), *self.strips):
+            # As far from a strip's edges as from its ends.
+            half = np.deg2rad(arc / 2) - (OPEN_END / self.widest if arc < 360.0 else -1.0)
+            there = around[np.arccos(np.clip(-around[:, 2], -1.0, 1.0)) < half]
             for x in np.arange(low + STEP / 2, high, STEP):
-                origins.append(np.tile((x, 0.0, 0.0), (len(turns), 1)))
-                directions.append(around)
-                distances.append(np.full(len(turns), float(self.radius(np.array(x)))))
+                origins.append(np.tile((x, 0.0, 0.0), (len(there), 1)))
+                directions.append(there)
+                distances.append(np.full(len(there), float(self.radius(np.array(x)))))
         if self.blind:
             end = float(self.radius(np.array(self.length)))
             for r in np.arange(STEP / 2, end - OPEN_END, STEP):
@@ -138,9 +143,17 @@ def _hole(hole: Hole, owner: str, into: tuple[str, ...], short: float = 0.0, bli
 
 
 def _bore(hand: Hand, name: str) -> Void:
-    """A finger's bore; of a finger printed with rest angles only as far as its axis is straight."""
-    f = getattr(hand.fingers, name)
+    """A finger's bore, in the hand."""
     rows, origin = palm.finger_placement(hand, name)
+    return replace(alone(hand, name), start=np.array(origin), rows=np.array(rows))
+
+
+def alone(hand: Hand, name: str) -> Void:
+    """A finger's bore, in the finger's own frame.
+
+    Of a finger printed with rest angles only as far as its axis is straight.
+    """
+    f = getattr(hand.fingers, name)
     profile = FingerProfile(f)
     curled = any(j.rest_angle for j in f.joints)
     length = palm.first_slot(f) if curled else f.inner_length
@@ -148,8 +161,10 @@ def _bore(hand: Hand, name: str) -> Void:
         (j.position - j.slot_length / 2, j.position + j.slot_length / 2) for j in f.joints]
     starts, ends = [0.0, *(b for _, b in slots)], [*(a for a, _ in slots), length]
     closed = tuple((a + OPEN_END, b - OPEN_END) for a, b in zip(starts, ends, strict=True))
-    return Void(f"{name} bore", name, f"fingers.{name}", np.array(origin), np.array(rows), length,
-                profile.bore, (f"{name} seat",), closed, blind=not curled)
+    strips = () if curled else tuple(
+        (a - OPEN_END, b + OPEN_END, j.palmar_arc) for (a, b), j in zip(slots, f.joints, strict=True))
+    return Void(f"{name} bore", name, f"fingers.{name}", np.zeros(3), np.eye(3), length,
+                profile.bore, (f"{name} seat",), closed, not curled, strips)
 
 
 def _convex(shape: csg.Shape) -> Region:

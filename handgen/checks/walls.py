@@ -10,7 +10,7 @@ import numpy as np
 
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.checks.voids import FIT, STEP, Void, regions, voids
+from handgen.checks.voids import FIT, STEP, Region, Void, alone, regions, voids
 from handgen.geometry.palm import PART as HAND
 from handgen.geometry.part import Part
 from handgen.geometry.thickness import PARALLEL, ROUNDING, Readings, Spot, gauge_of
@@ -130,19 +130,35 @@ def least_between(hand: Hand, limits: Limits) -> Limit:
 
 
 def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
-    """No bore, channel or pocket of the hand opens where it must not.
+    """No bore, channel or pocket opens where it must not, in the hand or in a finger on its own.
 
     From every void's axis its wall must be in sight where it is drawn, unless there another void
     begins that this one leads into.
     """
     rule = "bore.breakthrough"
-    part = parts.get(HAND)
-    if part is None:
-        return skipped(rule, "no hand in this build")
-    limit = limits.get(rule, "opening", *_kinds(part))
-    surface, known = gauge_of(part.triangles).surface, voids(hand)
-    places: dict[str, list] = {v.name: [v] for v in known} | dict(regions(hand))
-    findings, largest = [], 0.0
+    holes: list[tuple[float, Finding | None]] = []
+    if HAND in parts:
+        limit = limits.get(rule, "opening", *_kinds(parts[HAND]))
+        holes += _holes(hand, parts[HAND], voids(hand), dict(regions(hand)), limit)
+    for name in hand.fingers.present():
+        part = parts.get(f"exoskeleton/{name}")
+        if part is not None:
+            limit = limits.get(rule, "opening", *_kinds(part))
+            # A finger on its own is drawn alike for both sides.
+            holes += _holes(hand.model_copy(update={"side": "right"}), part, [alone(hand, name)], {}, limit)
+    if not holes:
+        return skipped(rule, "no exoskeleton in this build")
+    largest = max(across for across, _ in holes)
+    return judged(rule, largest, limit.value, "largest opening in a bore's wall",
+                  [found for _, found in holes if found])
+
+
+def _holes(hand: Hand, part: Part, known: list[Void], open_to: dict[str, list[Region]], limit: Limit
+           ) -> list[tuple[float, Finding | None]]:
+    """(width, finding where it is too wide) of every opening in the walls of `known`; (0, None): none."""
+    surface = gauge_of(part.triangles).surface
+    places: dict[str, list] = {v.name: [v] for v in known} | open_to
+    found: list[tuple[float, Finding | None]] = [(0.0, None)]
     for void in known:
         origins, directions, distances, share = void.wall()
         seen = surface.sight(_mirrored(hand, origins), _mirrored(hand, directions))
@@ -153,10 +169,9 @@ def breakthrough(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
                 gone &= ~place.holds(wall, FIT)
         for hole in _patches(wall[gone]):
             across = 2 * math.sqrt(share * len(hole) / math.pi)
-            largest = max(largest, across)
-            if across > limit.value:
-                findings.append(_broken(hand, part, void, hole, across, limit, known))
-    return judged(rule, largest, limit.value, "largest opening in a bore's wall", findings)
+            broken = across > limit.value
+            found.append((across, _broken(hand, part, void, hole, across, limit, known) if broken else None))
+    return found
 
 
 def _mirrored(hand: Hand, vectors: np.ndarray) -> np.ndarray:
@@ -197,7 +212,7 @@ def _broken(hand: Hand, part: Part, void: Void, hole: np.ndarray, across: float,
     return Finding(
         "bore.breakthrough", "error", part.name, across, limit.value, limit.unit,
         f"{void.name} breaks through into {' and '.join(met) or 'the open'}: {across:.1f} mm wide",
-        f"move it, or thicken the palm around it: {void.path}", limit.source,
+        f"move it, or thicken what lies around it: {void.path}", limit.source,
         tuple(_mirrored(hand, middle).tolist()))
 
 
