@@ -12,6 +12,7 @@ from handgen.checks import hanging
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.checks.sections import Outline, Triangles
+from handgen.checks.walls import CAST, keys
 from handgen.geometry.palm import facing
 from handgen.geometry.part import Part
 from handgen.geometry.thickness import FACING, gauge_of
@@ -29,11 +30,6 @@ CLOSE = 0.25
 """The same distance where a wall looks odd."""
 OPPOSED = -0.9
 """Cosine between the normals of a wall's two faces: beyond it they are no wall."""
-KEYS = {"plug": "seal.tube_outer_diameter or seal.plug_squeeze", "collar": "seal.collar_fit or seal.glue_gap",
-        "mould_a": "casting.mould_wall", "mould_b": "casting.mould_wall"}
-"""Role of a part -> the parameters of its walls, where its own path does not say."""
-CAST = "actuator"
-"""Role of parts that are cast, not printed."""
 
 
 @dataclass(frozen=True)
@@ -246,7 +242,7 @@ def _odd(item: Printed, wall: Wall, low: float, limit: Limit) -> Finding:
         "print.line-width", "error" if lost else "warning", item.part.name, wall.line, low, "mm",
         f"a wall of {wall.thickness:.2f} mm {message}",
         f"make it a multiple of printing.{item.key}.nozzle_size ({nozzle:g} mm):"
-        f" {KEYS.get(item.part.role, item.part.path)}", limit.source, item.own(wall.where))
+        f" {keys(item.part)}", limit.source, item.own(wall.where))
 
 
 def _lines(item: Printed, wall: Wall, limit: Limit) -> Finding:

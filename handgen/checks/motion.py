@@ -40,7 +40,7 @@ def interference(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
     """Neighbouring fingers keep apart as printed, and clear one another however they curl.
 
     All fingers curl together, and each alone beside a straight one, from rest to full curl, with
-    the splay as built and with none.
+    the splay as built and with none. The thumb counts as printed only: it is made to meet the fingers.
     """
     rule = "fingers.interference"
     fingers = curling_fingers(hand, parts)
@@ -187,7 +187,11 @@ def strain(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
                 for material, limit in allowed.items() if value > limit.value + ROUNDING
             ]
     least = min(allowed.values(), key=lambda limit: limit.value)
-    return judged(rule, worst[0], least.value, f"largest at {worst[1]}", findings)
+    unknown = sorted({p.material for p in processes} - allowed.keys())
+    reason = f"largest at {worst[1]}"
+    if unknown:
+        reason += f"; not judged, neither yield nor break is known: {', '.join(unknown)}"
+    return judged(rule, worst[0], least.value, reason, findings)
 
 
 def strip_strain(finger: CurlingFinger, index: int, angle: float) -> tuple[float, float]:

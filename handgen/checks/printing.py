@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
+from handgen.checks.walls import CAST
 from handgen.geometry.measure import fault_place, measure_mesh
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
-CAST = "actuator"
-"""Role of parts that are cast, not printed."""
 ROUNDING = 1e-4
 """mm; boxes are those of single-precision meshes."""
 

@@ -18,6 +18,9 @@ from handgen.parameters.model import Hand
 
 CAST = "actuator"
 """Role of parts that are cast, not printed."""
+KEYS = {"plug": "seal.tube_outer_diameter or seal.plug_squeeze", "collar": "seal.collar_fit or seal.glue_gap",
+        "mould_a": "casting.mould_wall", "mould_b": "casting.mould_wall"}
+"""Role of a part -> the parameters of its walls, where its own path does not say."""
 THINNEST = 0.02
 """Share of its surface under which a part is thinnest, when sound parts are compared: letters are less."""
 THICK = 6.0
@@ -76,6 +79,18 @@ def _process(part: Part) -> str:
     if part.role != "exoskeleton":
         return "tooling"
     return "hand" if part.name == HAND else "finger"
+
+
+def keys(part: Part) -> str:
+    """The parameters that set the walls of `part`."""
+    if part.role in KEYS:
+        return KEYS[part.role]
+    if part.name == HAND:
+        return "palm.wall, opposition or what lies beside it"
+    if part.role == CAST:
+        return f"`layers`, {part.path}.layers or its diameters"
+    diameters = "base_outer_diameter, tip_outer_diameter or its bore's"
+    return f"{part.path}.{diameters}" if part.role == "exoskeleton" else part.path
 
 
 def _kinds(part: Part) -> tuple[str, str, str]:
@@ -193,7 +208,7 @@ def _beside(known: list[Void], points: np.ndarray, outward: np.ndarray) -> np.nd
 def _thin(part: Part, spot: Spot, limit: Limit, severity: Literal["error", "warning"]) -> Finding:
     return Finding(
         "wall.minimum", severity, part.name, spot.thickness, limit.value, limit.unit,
-        f"a wall of {spot.thickness:.2f} mm over {spot.area:.1f} mm2", f"thicken it at {part.path}",
+        f"a wall of {spot.thickness:.2f} mm over {spot.area:.1f} mm2", f"thicken it: {keys(part)}",
         limit.source, spot.middle)
 
 
