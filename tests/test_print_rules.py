@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ import pytest
 from handgen.checks.fff import line_for, line_width, overhang, printed, slices
 from handgen.checks.hanging import Bed, angles, patches, steep
 from handgen.checks.limits import standard
+from handgen.checks.printing import watertight
 from handgen.checks.sections import Triangles
 from handgen.geometry import csg
 from handgen.geometry.finger import exoskeleton
-from handgen.geometry.mesh_kernel import evaluate, printable
+from handgen.geometry.measure import measure, measure_mesh
+from handgen.geometry.mesh_kernel import evaluate, printable, triangles
 from handgen.geometry.part import Part
 from handgen.geometry.tooling import tooling
 from tests.variant import changed, limits, named
@@ -241,3 +244,43 @@ class TestOverhang:
 
     def test_nothing_printed_is_no_pass(self, adult):
         assert overhang(adult, {}, standard()).status == "skipped"
+
+
+class TestWatertight:
+    CUBE = triangles(evaluate(csg.box((0, 0, 0), (4, 4, 4))))
+
+    def judge(self, adult, vertices, faces):
+        made = SimpleNamespace(name="tooling/index/plug", triangles=(np.asarray(vertices, np.float32), faces))
+        return watertight(adult, {made.name: made}, standard())
+
+    def test_a_closed_mesh_passes(self, adult):
+        assert self.judge(adult, *self.CUBE).status == "pass"
+
+    @pytest.mark.parametrize("face", range(12))
+    def test_a_missing_triangle_is_found_where_it_was(self, adult, face):
+        vertices, faces = self.CUBE
+        finding, = self.judge(adult, vertices, np.delete(faces, face, axis=0)).findings
+        assert "3 edges have no partner" in finding.message
+        assert np.linalg.norm(vertices[faces[face]].mean(axis=0) - finding.where) < 2.0
+
+    def test_a_triangle_the_wrong_way_round(self, adult):
+        vertices, faces = self.CUBE
+        turned = faces.copy()
+        turned[3] = turned[3][::-1]
+        assert "6 edges have no partner" in self.judge(adult, vertices, turned).findings[0].message
+
+    def test_a_crumb_beside_the_part(self, adult):
+        vertices, faces = self.CUBE
+        both = np.vstack([vertices, 0.01 * vertices + 9.0]), np.vstack([faces, faces + len(vertices)])
+        finding, = self.judge(adult, *both).findings
+        assert "2 bodies" in finding.message and finding.where == pytest.approx((9.02,) * 3, abs=0.03)
+
+    def test_inside_out(self, adult):
+        vertices, faces = self.CUBE
+        assert "inside out" in self.judge(adult, vertices, faces[:, ::-1]).findings[0].message
+
+    def test_vertices_named_twice_are_one(self):
+        vertices, faces = self.CUBE
+        by_name, by_place = measure_mesh(vertices, faces), measure(vertices[faces])
+        assert by_name == by_place and by_name.faults() == []
+        assert by_name.volume_mm3 == pytest.approx(64) and by_name.area_mm2 == pytest.approx(96)

@@ -1,6 +1,8 @@
 """The thickness gauge against walls of closed form, on meshes as they are exported."""
 
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
@@ -8,9 +10,9 @@ import pytest
 from handgen.geometry import csg
 from handgen.geometry import finger as fingers
 from handgen.geometry.hand import hand_part
-from handgen.geometry.mesh_kernel import evaluate, printable
+from handgen.geometry.mesh_kernel import evaluate, printable, triangles
 from handgen.geometry.profile import FingerProfile
-from handgen.geometry.thickness import Gauge
+from handgen.geometry.thickness import Gauge, gauge_of
 from handgen.geometry.tooling import tooling
 
 ACCURACY = 0.02
@@ -180,6 +182,16 @@ def test_ball_ended_pit(radius, wall):
     shape, _ = ball_end(wall, radius)
     spots = gauge(shape).thin_spots(0.7)
     assert len(spots) == 1 and spots[0].thickness == pytest.approx(wall, abs=ACCURACY)
+
+
+def test_one_gauge_a_mesh_for_as_long_as_the_mesh_lives():
+    one, two = (triangles(evaluate(block(20, 16, wall))) for wall in (1.0, 2.0))
+    assert gauge_of(one) is gauge_of(one) is not gauge_of(two)
+    assert gauge_of(two).least().thickness == pytest.approx(2.0)
+    kept = weakref.ref(gauge_of(one))
+    del one
+    gc.collect()
+    assert kept() is None and gauge_of(two).least().thickness == pytest.approx(2.0)
 
 
 def test_histogram_weighs_by_area():

@@ -152,6 +152,18 @@ def test_turns_on_one_another_are_found_not_raised(adult):
     assert outcome.status == "fail" and "lie on one another" in outcome.findings[0].message
 
 
+def test_where_no_pitch_suits_the_mend_says_so(adult):
+    """An inner layer of half a millimetre: turns near enough to hold it keep the silicone out."""
+    thin = with_thread(adult).model_copy(update={
+        "layers": adult.layers.model_copy(update={"internal": 0.5})})
+    (found,) = errors(judge(thread.gap, thin, LIMITS))
+    assert "pitch of" not in found.fix and "thicken layers.internal" in found.fix
+    assert found.limit < LIMITS.get("thread.gap", "least_gap").value
+    near = thin.model_copy(update={"thread": thin.thread.model_copy(update={"pitch": found.limit + 0.15})})
+    (still,) = errors(judge(thread.gap, near, LIMITS))
+    assert "silicone fills that badly" in still.message
+
+
 @pytest.mark.parametrize("factor", [0.5, 3.0])
 def test_a_pitch_halved_or_tripled_fails(adult, factor):
     outcome = judge(thread.gap, with_thread(adult, pitch=2 * factor), LIMITS)

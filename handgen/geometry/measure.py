@@ -109,11 +109,11 @@ def fault_place(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, float, 
         # Nearest to the middle of all, so that the place lies on an edge.
         return tuple(middles[np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin()].tolist())
     corners = points[faces]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     count, body = _bodies(one, two, len(faces))
     if count > 1:
-        small = corners[body == np.bincount(body).argmin()]
+        small = corners[body == np.bincount(body, areas).argmin()]
         return tuple(small.mean(axis=(0, 1)).tolist())
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     return tuple(corners[areas.argmin()].mean(axis=0).tolist()) if areas.min() < FLAT else None
 
 
