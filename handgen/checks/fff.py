@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -266,8 +267,9 @@ def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     for item in printed(hand, parts):
         items += 1
         angle = item.process.support_angle
-        bridge, reach, bed, least = (limits.get(rule, n, item.process.material, item.key)
-                                     for n in ("bridge", "reach", "bed", "least_area"))
+        bridge, reach, bed, least, failed = (
+            limits.get(rule, n, item.process.material, item.key)
+            for n in ("bridge", "reach", "bed", "least_area", "failed_area"))
         mask = hanging.steep(item.surface, angle, bed.value)
         supported, largest = 0.0, None
         for patch in hanging.patches(item.surface, mask):
@@ -278,9 +280,11 @@ def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
                 largest = patch.places[helped]
             span = patch.span(hard & ~helped)
             bad = hard & ~helped & (span > bridge.value + ROUNDING)
-            if patch.share * bad.sum() > least.value + ROUNDING:
+            area = patch.share * float(bad.sum())
+            if area > least.value + ROUNDING:
                 steepest = max(steepest, patch.angle)
-                findings.append(_in_the_air(item, patch, bad, span, bridge, reach))
+                severity = "error" if area > failed.value + ROUNDING else "warning"
+                findings.append(_in_the_air(item, patch, bad, span, bridge, reach, severity))
         if supported > least.value:
             findings.append(_supported(item, supported, angle, largest))
     if not items:
@@ -289,7 +293,7 @@ def overhang(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
 
 
 def _in_the_air(item: Printed, patch: hanging.Patch, bad: np.ndarray, span: np.ndarray, bridge: Limit,
-                reach: Limit) -> Finding:
+                reach: Limit, severity: Literal["error", "warning"]) -> Finding:
     """The patch's worst place: as a bridge or as an overhang, whichever it is nearer to."""
     reaches = patch.reach()
     excess = np.where(bad, np.minimum(span / bridge.value, reaches / reach.value), 0.0)
@@ -301,7 +305,7 @@ def _in_the_air(item: Printed, patch: hanging.Patch, bad: np.ndarray, span: np.n
     where = (f"printing.{item.key}.part_support.{item.part.role}" if item.key == "tooling"
              else f"printing.{item.key}.support")
     return Finding(
-        "print.overhang", "error", item.part.name, need if np.isfinite(need) else None, limit.value,
+        "print.overhang", severity, item.part.name, need if np.isfinite(need) else None, limit.value,
         limit.unit,
         f"{patch.share * bad.sum():.0f} mm2, up to {patch.angle:.0f} deg from the vertical,"
         f" {held} without support",
