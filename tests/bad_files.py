@@ -196,14 +196,6 @@ FILES = [
         {"actuators.index.tip_outer_diameter": "too little"},
     ),
     variant(
-        "not-adapted",
-        "actuators: {little: {adapt: false}, thumb: {adapt: false}}\n",
-        {
-            "actuators.little.tip_outer_diameter": "would be -0.25 mm (little)",
-            "actuators.thumb.tip_outer_diameter": "would be -1 mm (thumb)",
-        },
-    ),
-    variant(
         "all-tip",
         "actuators: {index: {layers: {external: 1, thread: 0.5, internal: 1, tip: 15}, outer_length: 15}}\n",
         {"actuators.index.layers.tip": "fills the whole"},
@@ -282,5 +274,5 @@ FILES = [
     ),
 ]
 
-SAID_IN_BASE = {"not-adapted", "no-thumb-to-oppose", "opposition-without-palm", "nothing-to-oppose"}
+SAID_IN_BASE = {"no-thumb-to-oppose", "opposition-without-palm", "nothing-to-oppose"}
 """Variants that take away what a value of their base needs: the report names that value."""

@@ -6,10 +6,11 @@ from importlib.metadata import EntryPoint
 import pytest
 
 from handgen import checks, cli
-from handgen.builder import check
+from handgen.builder import build, check
 from handgen.checks import run
 from handgen.checks.rule import RULES, Finding, Outcome, judged, skipped
 from handgen.errors import EngineError, InputError
+from handgen.geometry.catalogue import parts
 from handgen.parameters.load import load
 from handgen.parameters.rules import Override, Rules
 from tests.strategies import PARAMS
@@ -192,3 +193,41 @@ def test_findings_are_the_contracts(tmp_path):
         assert found["severity"] in ("error", "warning", "info")
         assert found["where"] is None or len(found["where"]) == 3
     assert {"rule", "status", "measured", "limit", "unit", "reason"} <= set(report["rules"][0])
+
+
+FORBIDDEN = "actuators: {little: {adapt: false}, thumb: {adapt: false}}\n"
+
+
+def test_table_a2_unadapted_fails_its_layers(tmp_path, capsys):
+    """The little finger's and the thumb's small cores would end at -0.25 and -1 mm (source's notes)."""
+    path = variant(tmp_path, FORBIDDEN, PARAMS / "adult.yaml")
+    assert cli.main(["check", str(path), "--out", str(tmp_path / "out"), "--json"]) == 1
+    report = json.loads(capsys.readouterr().out)
+    (row,) = [r for r in report["rules"] if r["rule"] == "actuator.layers"]
+    assert row["status"] == "fail" and row["measured"] == -1.0
+    errors = {f["part"]: f["measured"] for f in report["findings"] if f["severity"] == "error"}
+    assert errors == {"actuators/little": -0.25, "actuators/thumb": -1.0}
+
+
+def test_what_may_not_be_thinned_is_not_made(tmp_path):
+    path = variant(tmp_path, FORBIDDEN, PARAMS / "adult.yaml")
+    for make in (lambda: build(path, out=tmp_path / "out", verify=False), lambda: parts(path)):
+        with pytest.raises(InputError) as caught:
+            make()
+        assert [p.path for p in caught.value.problems] == [
+            "actuators.little.tip_outer_diameter", "actuators.thumb.tip_outer_diameter"]
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("name", "passed", "broken"), [
+    ("adult", True, set()), ("thesis_finger", True, set()), ("thesis_hand", False, {"thumb.palm-stiffness"})])
+def test_shipped_files(tmp_path, name, passed, broken):
+    report = check(PARAMS / f"{name}.yaml", out=tmp_path / name)["checks"]
+    assert report["passed"] is passed
+    assert {f["rule"] for f in report["findings"] if f["severity"] == "error"} == broken
+    (thumb,) = [r for r in report["rules"] if r["rule"] == "thumb.palm-stiffness"]
+    if name == "adult":
+        assert thumb["measured"] >= 1.25 * thumb["limit"]
+    if broken:
+        (found,) = [f for f in report["findings"] if f["rule"] == "thumb.palm-stiffness"]
+        assert found["where"] and "mm" in found["fix"]

@@ -227,6 +227,9 @@ def test_a_single_parameter_breaks_it(adult, rule):
     parts = (row.broken_parts or row.parts)(hand)
     outcome = judge(rule, hand, parts)
     assert outcome.status == "fail" and errors(outcome)
+    # The row of the table shows what broke: its number, or its words where the unit differs.
+    assert any((f.measured, f.limit) == (outcome.measured, outcome.limit) or f.message in outcome.reason
+               or f.measured is None or f.unit != outcome.unit for f in errors(outcome))
     for finding in errors(outcome):
         assert finding.rule == rule and finding.part in {*parts, HAND}
         assert finding.measured is None or np.isfinite(finding.measured)

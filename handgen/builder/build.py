@@ -18,7 +18,7 @@ from handgen.builder.verdict import Verdict, publish
 from handgen.errors import EngineError
 from handgen.export import manifest
 from handgen.geometry import csg
-from handgen.geometry.actuator import adaptations
+from handgen.geometry.actuator import adaptations, refuse_forbidden
 from handgen.geometry.catalogue import catalogue, select
 from handgen.parameters.load import Loaded, load
 
@@ -44,7 +44,8 @@ def build(
     then lies in the folder `checks` of `out`.
 
     Raises:
-        InputError: bad parameters, an unknown part, a folder that is not handgen's.
+        InputError: bad parameters, an unknown part, a folder that is not handgen's, or (with
+            `verify=False`) layers that leave no core and may not be thinned.
         GeometryError: a part cannot be made; the earlier build is left as it was.
         EngineError: a kernel or a worker gave up; the earlier build is left as it was.
     """
@@ -52,6 +53,8 @@ def build(
     listed = catalogue(loaded.hand)
     wanted = set(select(listed, parts or None))
     checks.own_limits(loaded.hand, str(loaded.file))
+    if not verify:
+        refuse_forbidden(loaded.hand, str(loaded.file))
     store = Store(Path(out) if out is not None else Path("outputs") / loaded.hand.name)
     say = progress or (lambda line: None)
     with store.locked(lambda: say(f"waiting for another build of {store.final}")) as lock:

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from handgen.checks.limits import Limit, Limits
-from handgen.checks.rule import Finding, Outcome, judged, skipped
+from handgen.checks.rule import Finding, Outcome, skipped
 from handgen.checks.sections import Outline, Triangles
+from handgen.checks.worst import telling
 from handgen.geometry.casting import Setup
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
@@ -59,11 +60,9 @@ def demould(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
             findings += _torn(setup, core, pull, limits, unknown)
     if not worst:
         return skipped(rule, "no cores")
-    reason = f"worst undercut of {len(worst)} cores"
-    if unknown:
-        reason += "; not judged, no strength known: " + ", ".join(sorted(unknown))
+    besides = "; not judged, no strength known: " + ", ".join(sorted(unknown)) if unknown else ""
     _, depth, limit = max(worst)
-    return judged(rule, depth, limit, reason, findings)
+    return telling(rule, depth, limit, f"worst undercut of {len(worst)} cores", findings, besides)
 
 
 def undercut(vertices: np.ndarray, pull: np.ndarray) -> tuple[float, np.ndarray]:
@@ -217,7 +216,7 @@ def split(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
         findings += _pins(setup, b, lower, upper, limits)
     if not moulds:
         return skipped(rule, "no moulds")
-    return judged(rule, worst, limit.value, f"deepest undercut of {moulds} moulds", findings)
+    return telling(rule, worst, limit.value, f"deepest undercut of {moulds} moulds", findings)
 
 
 def behind(surface: Triangles, setup: Setup, opens: float) -> tuple[float, tuple[float, float, float]]:
@@ -264,7 +263,8 @@ def _pins(setup: Setup, b: Part, lower: Triangles, upper: Triangles, limits: Lim
         fits = f"has {room:.2f} mm of room in its hole" if room > 0 else "does not fit into its hole"
         findings.append(Finding(
             "mould.split", "error", b.name, room, limit.value, limit.unit, f"a pin {fits}",
-            "change casting.mould_fit", limit.source, (*where, PIN_HEIGHT)))
+            f"{'raise' if room < least.value else 'lower'} casting.mould_fit", limit.source,
+            (*where, PIN_HEIGHT)))
     return findings
 
 

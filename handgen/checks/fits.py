@@ -17,6 +17,7 @@ from handgen.checks.casting import setups
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.checks.sections import Outline, Triangles
+from handgen.checks.worst import telling
 from handgen.geometry.actuator import layers_path
 from handgen.geometry.casting import LAND, Setup
 from handgen.geometry.palm import Hole, facing, seat
@@ -195,8 +196,8 @@ def seal(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
         tightest = min(tightest or squeeze, squeeze, key=lambda fit: fit.measured)
     if tightest is None:
         return skipped(rule, "no seals")
-    return judged(rule, tightest.measured, tightest.least.value, "least squeeze of a plug in its channel",
-                  findings)
+    return telling(rule, tightest.measured, tightest.least.value, "least squeeze of a plug in its channel",
+                   findings)
 
 
 @dataclass(frozen=True)
@@ -219,8 +220,9 @@ class Fit:
         low = self.measured < self.least.value
         limit = self.least if low else self.most
         return Finding(rule, "error", self.part, self.measured, limit.value, limit.unit,
-                       f"{self.what} is too {'small' if low else 'large'}: {self.measured:.2f} {limit.unit}"
-                       .removesuffix(" 1"), self.fix, limit.source, self.where)
+                       f"{self.what} is too {'small' if low else 'large'}:"
+                       f" {round(self.measured, 2) + 0.0:.2f} {limit.unit}".removesuffix(" 1"),
+                       self.fix, limit.source, self.where)
 
 
 def _fits(setup: Setup, plug: Part, collar: Part, actuator: Part, bore: float, limits: Limits):

@@ -12,6 +12,7 @@ import numpy as np
 from handgen.checks.curl import CurlingFinger, curling_fingers
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
+from handgen.checks.worst import telling
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
 
@@ -60,7 +61,7 @@ def interference(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outco
         overlap, nearest = max(overlap, worst.overlap), min(nearest, worst, key=lambda m: m.gap)
     reason = (f"least gap {nearest.gap:.2f} mm, {nearest.pose}" if nearest.pose
               else f"no two fingers within {SEARCH:g} mm")
-    return judged(rule, overlap, most.value, reason, findings)
+    return telling(rule, overlap, most.value, reason, findings)
 
 
 def _neighbours(fingers: Mapping[str, CurlingFinger]) -> list[tuple[CurlingFinger, CurlingFinger]]:

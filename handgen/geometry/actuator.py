@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from handgen.errors import GeometryError
+from handgen.errors import GeometryError, InputError, Problem
 from handgen.geometry import csg
 from handgen.geometry.part import Body, Part
 from handgen.geometry.profile import ActuatorProfile, Curve
@@ -247,3 +247,24 @@ def adaptations(hand: Hand) -> list[Adaptation]:
             source="Table A.2",
         ))
     return found
+
+
+def refuse_forbidden(hand: Hand, file: str) -> None:
+    """Nothing may be made of layers that `adapt: false` forbids to thin; `file` is named in the errors.
+
+    Raises:
+        InputError: every such actuator at once.
+    """
+    problems = []
+    for adapted in adaptations(hand):
+        path = adapted.path.removesuffix(".layers")
+        name = path.removeprefix("actuators.")
+        given, core = getattr(hand.actuators, name), adapted.used["core_tip_diameter"]
+        if not given.adapt:
+            problems.append(Problem(
+                file, f"{path}.tip_outer_diameter", given.tip_outer_diameter,
+                f"core tip diameter would be {adapted.asked['core_tip_diameter']:g} mm ({name}); "
+                "`adapt: false` forbids thinner layers",
+                f"at least {core + 2 * hand.layers_of(name).stack:g} mm, or `adapt: true`"))
+    if problems:
+        raise InputError(problems)

@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from handgen.errors import InputError, Problem
-from handgen.geometry.actuator import actuator
+from handgen.geometry.actuator import actuator, refuse_forbidden
 from handgen.geometry.finger import exoskeleton
 from handgen.geometry.hand import hand_part
 from handgen.geometry.part import Part
@@ -21,9 +21,11 @@ def parts(path: str | Path) -> dict[str, Part]:
     """The parts of the parameter file at `path`, by name.
 
     Raises:
-        InputError: the file is not a valid hand.
+        InputError: the file is not a valid hand, or its layers leave no core and may not be thinned.
     """
-    return catalogue(load(path).hand)
+    hand = load(path).hand
+    refuse_forbidden(hand, str(path))
+    return catalogue(hand)
 
 
 def catalogue(hand: Hand) -> dict[str, Part]:

@@ -295,15 +295,13 @@ def core_at_base(
 def core_at_tip(
     actuator: Actuator, layers: Layers, thread: Thread | None, least: float, name: str
 ) -> Iterator[Fault]:
-    """Where layers may adapt they are thinned at the tip, but still pour and hold the thread."""
+    """Where layers may adapt they are thinned at the tip, but still pour and hold the thread.
+
+    Where they may not, the rule `actuator.layers` fails, and nothing is made of them.
+    """
     at: Path = ("actuators", name, "tip_outer_diameter")
     core = layers.core_room(actuator.tip_outer_diameter)
-    if core >= least - ROUNDING:
-        return
-    if not actuator.adapt:
-        yield Fault(at, f"core tip diameter would be {core:g} mm ({name}); "
-                    "`adapt: false` forbids thinner layers", actuator.tip_outer_diameter,
-                    f"at least {least + 2 * layers.stack:g} mm, or `adapt: true`")
+    if core >= least - ROUNDING or not actuator.adapt:
         return
     needed = max(THINNEST_LAYER / min(layers.external, layers.internal),
                  min(thread.diameter / layers.thread, 1.0) if thread else 0.0)
