@@ -1,0 +1,144 @@
+"""What is simulated and what comes out: plain data, so that cases can be cached, sent and solved anywhere.
+
+Frame of every vector: the finger's, x from the root plane to the fingertip, y across, z dorsal; mm, N,
+MPa, tonne, s, rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from handgen.geometry.profile import ActuatorProfile, FingerProfile
+from handgen.materials.law import Law
+
+Kind = Literal["assembly", "exoskeleton", "actuator"]
+STANDARD_GRAVITY = 9806.65
+"""mm/s2."""
+HEXAHEDRON, QUADRATIC_HEXAHEDRON = 12, 25
+"""VTK's numbers for the cells of 8 and of 20 nodes."""
+
+
+@dataclass(frozen=True)
+class Substance:
+    """A nearly incompressible material: isochoric `law`, `bulk` modulus MPa, `density` tonne/mm3."""
+
+    law: Law
+    bulk: float
+    density: float
+
+
+@dataclass(frozen=True)
+class Winding:
+    """The thread in an actuator's wall; `depth`: how far its centre lies outside the large core, mm."""
+
+    pitch: float
+    diameter: float
+    young: float
+    depth: float
+    compressive: float = 0.02
+    """Stiffness under compression as a share of that under tension: a bedded thread buckles."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Between actuator and bore."""
+
+    friction: float = 0.0
+    """Coulomb's coefficient, along the axis."""
+    bonded: bool = False
+    """The actuator sticks wherever it touches at rest: no model of a hand, kept for comparison."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One finger, or a part of it, under a row of loads.
+
+    Points: with `part` "exoskeleton" one for each of `tip_loads`; else one for each of `pressures`, all
+    under the one tip load (or none).
+    """
+
+    part: Kind
+    finger: FingerProfile | None
+    fillet: float
+    """Wanted radius in the slots' corners, mm (`exoskeleton.joint_fillet`)."""
+    actuator: ActuatorProfile | None
+    winding: Winding | None
+    """None: an actuator without thread (it balloons)."""
+    tpu: Substance | None
+    silicone: Substance | None
+    held: float
+    """Length, mm, over which plug and collar hold the actuator's base."""
+    contact: Contact = Contact()
+    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """mm/s2; palm down (0, 0, -STANDARD_GRAVITY). A component along y is not allowed: half model."""
+    pressures: tuple[float, ...] = (0.0,)
+    """MPa, ascending."""
+    tip_loads: tuple[float, ...] = (0.0,)
+    """N, a weight that hangs on the fingertip; it pulls along gravity, or palmar without gravity."""
+    obstacle: float | None = None
+    """A rigid plane so many mm below the palm side (z = -R(0) - obstacle)."""
+    refine: int = 0
+    """0: the standard mesh; every step halves the elements' edges, about."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A mesh as it was drawn: `nodes` (n, 3) mm, `cells` (m, 8 or 20) in VTK's order; half, y >= 0."""
+
+    nodes: np.ndarray
+    cells: np.ndarray
+
+    @property
+    def cell_type(self) -> int:
+        return HEXAHEDRON if self.cells.shape[1] == 8 else QUADRATIC_HEXAHEDRON
+
+
+@dataclass(frozen=True)
+class State:
+    """The finger under one load; without a converged solution only the load and `note` are known."""
+
+    pressure: float
+    """MPa."""
+    tip_load: float
+    """N."""
+    converged: bool
+    tip_drop: float | None = None
+    """Lowest point of the tip below the plane of the palm's bottom surface (z = -R(0)), mm."""
+    bend_angle: float | None = None
+    """Rotation of the tip against the straight axis, rad, flexion positive."""
+    elongation: float | None = None
+    """Growth of the actuator's centre line, mm: for a free one the axial travel of its tip."""
+    tip_force: float | None = None
+    """Force on the obstacle, N, both halves together."""
+    max_stretch: float | None = None
+    """Largest principal stretch in any element's centre."""
+    residual: float | None = None
+    """Largest out-of-balance force over the largest of the acting ones."""
+    note: str = ""
+    """What a user must know of this point, e.g. that the finger jumped ("folds at 68 kPa")."""
+    positions: Mapping[str, np.ndarray] = field(default_factory=dict)
+    """Body ("exoskeleton", "actuator") -> nodes (n, 3), mm."""
+    stretch: Mapping[str, np.ndarray] = field(default_factory=dict)
+    """Body -> largest principal stretch of every cell (m,)."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """All points of a case, in the order asked for."""
+
+    states: tuple[State, ...]
+    grids: Mapping[str, Grid]
+    reached: float
+    """Largest pressure, MPa (tip load, N, for the bare exoskeleton), up to which every point converged."""
+    folds: tuple[float, ...]
+    """Pressures, MPa, at which the finger jumped from one branch to another."""
+    unknowns: int
+    factorisations: int
+    wall: float
+    """Seconds."""
+    stopped: str = ""
+    """Why it went no further; empty where every point converged."""
