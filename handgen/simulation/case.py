@@ -39,6 +39,10 @@ class Winding:
     diameter: float
     young: float
     depth: float
+    start: float
+    """x of the first turn, mm (`thread.held_back`)."""
+    end: float
+    """x of the last turn, mm (the large core's end less `thread.held_back`)."""
     compressive: float = 0.02
     """Stiffness under compression as a share of that under tension: a bedded thread buckles."""
 
