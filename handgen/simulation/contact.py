@@ -1,0 +1,244 @@
+"""Sliding contact of the actuator with the bones' bores, and of the finger with a plane.
+
+A bone is rigid, so its bore is known in closed form: a node at x, seen from the bone's frame at s, is
+inside by the gap g = r(s_x) + rim(s_x) - |(s_y, s_z)|. Beyond its slot's edge the bore opens like a rim of
+radius RIM, so that a node slides on and off without a jump; the tip's face meets the flat end of the last
+bone's bore. The gap costs the energy area W(g) with a stiffness PENALTY and a rounded onset of width
+SOFT; its Hessian is exact, in the node's three unknowns and the bone's three: the list of pairs, and with it
+the matrix's pattern, never changes.
+
+Friction acts along the axis: an elastic bond of stick length STICK that is dragged along once it is
+stretched (P. R. Dahl, 1968): energy mu N (sqrt(d^2 + STICK^2) - STICK) with d the way of s_x from the
+anchor and N the normal force of the iterate before, so that the tangent stays symmetric.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from handgen.simulation.element import scatter
+
+PENALTY = 1.0
+"""N/mm3: at 100 kPa a wall sinks in by 0.025 mm."""
+SOFT = 0.04
+"""mm; half the width of the rounded onset."""
+RIM = 3.0
+"""mm; radius over which a bore opens towards a slot."""
+STICK = 0.05
+"""mm; a node at rest creeps so far before it slides."""
+BORE, FACE = 0, 1
+
+
+@njit(cache=True)
+def onset(gap, stiffness, soft):
+    """(W, W', W'') of the gap: nothing above 0, a cubic down to -2 soft, a parabola below it.
+
+    Surfaces that just touch, as drawn, do not push one another.
+    """
+    gap += soft
+    if gap >= soft:
+        return 0.0, 0.0, 0.0
+    if gap <= -soft:
+        return stiffness * (gap * gap / 2 + soft * soft / 6), stiffness * gap, stiffness
+    t = soft - gap
+    return stiffness * t**3 / (12 * soft), -stiffness * t * t / (4 * soft), stiffness * t / (2 * soft)
+
+
+@njit(cache=True)
+def radius_at(pieces, x):
+    """(r, r', r'') of a piecewise cubic; level beyond its ends."""
+    n = len(pieces)
+    if x <= pieces[0, 0]:
+        return pieces[0, 2], 0.0, 0.0
+    if x >= pieces[n - 1, 1]:
+        return pieces[n - 1, 3], 0.0, 0.0
+    i = 0
+    while x > pieces[i, 1]:
+        i += 1
+    h = pieces[i, 1] - pieces[i, 0]
+    t = (x - pieces[i, 0]) / h
+    y0, y1, m0, m1 = pieces[i, 2], pieces[i, 3], h * pieces[i, 4], h * pieces[i, 5]
+    a, b = 2 * (y0 - y1) + m0 + m1, 3 * (y1 - y0) - 2 * m0 - m1
+    return y0 + t * (m0 + t * (b + t * a)), (m0 + t * (2 * b + 3 * t * a)) / h, (2 * b + 6 * t * a) / h**2
+
+
+@njit(cache=True)
+def bore_at(pieces, x, low, high, rim):
+    """(r, r', r'') of a bone's bore with its rims; low, high: the slots' edges beside it."""
+    r, d, c = radius_at(pieces, x)
+    before, after = low + rim - x, x - (high - rim)
+    if before > 0.0:
+        r, d, c = r + before * before / (2 * rim), d - before / rim, c + 1.0 / rim
+    if after > 0.0:
+        r, d, c = r + after * after / (2 * rim), d + after / rim, c + 1.0 / rim
+    return r, d, c
+
+
+@njit(cache=True)
+def seen(x, pivot, origin, angle, state, s, slope):
+    """Write the place `s` of a point in a bone's straight frame, and its slopes (3, 6) in the point's x, y,
+    z and the bone's dx, dz, turn."""
+    a = angle + state[2]
+    c, n = np.cos(a), np.sin(a)
+    u, w = x[0] - origin[0] - state[0], x[2] - origin[1] - state[1]
+    s[0], s[1], s[2] = pivot + c * u - n * w, x[1], n * u + c * w
+    slope[:] = 0.0
+    slope[0, 0], slope[0, 2], slope[0, 3], slope[0, 4] = c, -n, -c, n
+    slope[2, 0], slope[2, 2], slope[2, 3], slope[2, 4] = n, c, -n, -c
+    slope[1, 1] = 1.0
+    slope[0, 5], slope[2, 5] = -n * u - c * w, c * u - n * w
+
+
+@njit(cache=True)
+def add_turning(slope, gx, gz, k):
+    """Add gx d2s_x + gz d2s_z to `k` (6, 6): only the bone's turn bends the way s depends on it.
+
+    d/dturn of (s_x - pivot, s_z) is (-s_z, s_x - pivot), so second derivatives with the turn are the first
+    ones of the other component.
+    """
+    for j in range(6):
+        more = -gx * slope[2, j] + gz * slope[0, j]
+        k[5, j] += more
+        if j != 5:
+            k[j, 5] += more
+
+
+@njit(cache=True)
+def add_contact(x, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin, angle, states,
+                friction, anchors, normal, lagged, pressed, exact, grip, dofs, place, force, matrix):
+    """Add all pairs' forces and tangent; returns their energy.
+
+    nodes, bodies, kinds, area (k,): pairs of a node and a bone, what of the bone it meets, mm2 for it;
+    pieces: of the bore; low, high (b,): where each bone ends; anchors (k,) where friction's bonds are
+    fixed, NaN: nowhere. Writes the normal forces `normal` (k,), N; `lagged` are those that rub, `pressed`
+    the extrapolated ones, which the geometric stiffness takes unless `exact`; grip, mm: surfaces count as so
+    much closer than they are.
+    """
+    s, slope, g, step = np.empty(3), np.empty((3, 6)), np.empty(3), np.empty(6)
+    fe, ke = np.empty((2, 3)), np.empty((6, 6))
+    energy = 0.0
+    for e in range(len(nodes)):
+        b = bodies[e]
+        normal[e] = 0.0
+        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        ke[:] = 0.0
+        fe[:] = 0.0
+        touched = False
+        if kinds[e] == FACE:
+            gap = high[b] - s[0]
+            w, w1, w2 = onset(gap - grip, PENALTY * area[e], SOFT)
+            if w2 > 0.0:
+                touched = True
+                energy += w
+                for i in range(6):
+                    fe[i // 3, i % 3] -= w1 * slope[0, i]
+                    for j in range(6):
+                        ke[i, j] += w2 * slope[0, i] * slope[0, j]
+                add_turning(slope, -w1 if exact else pressed[e], 0.0, ke)
+        else:
+            rho = np.sqrt(s[1] * s[1] + s[2] * s[2]) / swell
+            r, d, c = bore_at(pieces, s[0], low[b], high[b], RIM)
+            gap = r - rho
+            w, w1, w2 = onset(gap - grip, PENALTY * area[e], SOFT)
+            if w2 > 0.0:
+                touched = True
+                energy += w
+                normal[e] = -w1
+                q = rho * swell * swell
+                g[0], g[1], g[2] = d, -s[1] / q, -s[2] / q
+                for j in range(6):
+                    step[j] = g[0] * slope[0, j] + g[1] * slope[1, j] + g[2] * slope[2, j]
+                bent = w1 if exact else -pressed[e]
+                for i in range(6):
+                    fe[i // 3, i % 3] += w1 * step[i]
+                    for j in range(6):
+                        ke[i, j] += w2 * step[i] * step[j] + bent * (
+                            c * slope[0, i] * slope[0, j]
+                            + (g[1] * slope[1, i] + g[2] * slope[2, i])
+                            * (g[1] * slope[1, j] + g[2] * slope[2, j]) / rho
+                            - (slope[1, i] * slope[1, j] + slope[2, i] * slope[2, j]) / q)
+                add_turning(slope, bent * g[0], bent * g[2], ke)
+            if lagged[e] > 0.0 and friction > 0.0 and not np.isnan(anchors[e]):
+                touched = True
+                way = s[0] - anchors[e]
+                root = np.sqrt(way * way + STICK * STICK)
+                energy += friction * lagged[e] * (root - STICK)
+                f1, f2 = friction * lagged[e] * way / root, friction * lagged[e] * STICK**2 / root**3
+                for i in range(6):
+                    fe[i // 3, i % 3] += f1 * slope[0, i]
+                    for j in range(6):
+                        ke[i, j] += f2 * slope[0, i] * slope[0, j]
+                add_turning(slope, f1, 0.0, ke)
+        if touched:
+            scatter(dofs[e], place[e], fe, ke, force, matrix)
+    return energy
+
+
+@njit(cache=True)
+def extrapolate_contact(x, moved, turned, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin,
+                        angle, states, pressed):
+    """Write the normal forces after the nodes' step `moved` (N, 3) and the bones' `turned` (b, 3), to first
+    order; never below 0."""
+    s, slope, step = np.empty(3), np.empty((3, 6)), np.empty(6)
+    for e in range(len(nodes)):
+        b = bodies[e]
+        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        step[:3], step[3:] = moved[nodes[e]], turned[b]
+        if kinds[e] == FACE:
+            gap, grown = high[b] - s[0], -np.sum(slope[0] * step)
+        else:
+            rho = np.sqrt(s[1] * s[1] + s[2] * s[2]) / swell
+            r, d, _ = bore_at(pieces, s[0], low[b], high[b], RIM)
+            gap = r - rho
+            grown = d * np.sum(slope[0] * step) - (
+                s[1] * np.sum(slope[1] * step) + s[2] * np.sum(slope[2] * step)) / (rho * swell**2)
+        _, w1, w2 = onset(gap, PENALTY * area[e], SOFT)
+        pressed[e] = max(0.0, -w1 - w2 * grown)
+
+
+@njit(cache=True)
+def drag(x, nodes, bodies, kinds, normal, pivot, origin, angle, states, anchors):
+    """Move the anchors of friction after an accepted step: a stretched bond follows, a free one lets go."""
+    s, slope = np.empty(3), np.empty((3, 6))
+    for e in range(len(nodes)):
+        if kinds[e] != BORE or normal[e] <= 0.0:
+            anchors[e] = np.nan
+            continue
+        b = bodies[e]
+        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        if np.isnan(anchors[e]):
+            anchors[e] = s[0]
+        elif s[0] - anchors[e] > 2 * STICK:
+            anchors[e] = s[0] - 2 * STICK
+        elif anchors[e] - s[0] > 2 * STICK:
+            anchors[e] = s[0] + 2 * STICK
+
+
+@njit(cache=True)
+def add_plane(points, bodies, area, level, pivot, origin, angle, states, dofs, place, force, matrix):
+    """Contact of points (k, 3) of the bones' straight frames with the plane z = level below them.
+
+    Adds forces and tangent in the bones' unknowns; returns (energy, force on the plane of this half, N).
+    """
+    fe, ke, step = np.empty((1, 3)), np.empty((3, 3)), np.empty(3)
+    energy, pushed = 0.0, 0.0
+    for e in range(len(points)):
+        b = bodies[e]
+        a = angle[b] + states[b, 2]
+        c, n = np.cos(a), np.sin(a)
+        u, w = points[e, 0] - pivot[b], points[e, 2]
+        height = origin[b, 1] + states[b, 1] - n * u + c * w
+        value, w1, w2 = onset(height - level, PENALTY * area[e], SOFT)
+        if w2 == 0.0:
+            continue
+        energy += value
+        pushed -= w1
+        step[0], step[1], step[2] = 0.0, 1.0, -c * u - n * w
+        for i in range(3):
+            fe[0, i] = w1 * step[i]
+            for j in range(3):
+                ke[i, j] = w2 * step[i] * step[j]
+        ke[2, 2] += w1 * (n * u - c * w)
+        scatter(dofs[e], place[e], fe, ke, force, matrix)
+    return energy, pushed

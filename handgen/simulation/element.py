@@ -1,0 +1,401 @@
+"""Solid elements: energy, out-of-balance force and tangent of nearly incompressible hyperelastic bodies.
+
+Two elements share one kernel. Hexahedra of 8 nodes with one mean dilatation an element (Q1P0: J. C. Simo,
+R. L. Taylor, K. S. Pister, Comput. Methods Appl. Mech. Eng. 51 (1985) 177-208) for the silicone; those of 20
+nodes with 2 x 2 x 2 points (O. C. Zienkiewicz, R. L. Taylor, J. M. Too, Int. J. Numer. Methods Eng. 3 (1971)
+275-290), which neither lock in thin bent strips nor in volume, for the printed exoskeleton.
+
+    energy = sum of points w W(F) + volumetric part,  W isochoric: W(J^-2/3 C)
+    Q1P0:  V0 K/2 (V/V0 - 1)^2 of each element;  else  w K/2 (J - 1)^2 of each point
+
+Everything is written in the deformation gradient F: first Piola stress P = dW/dF, moduli A = d2W/dFdF
+(9 x 9); K_ab = sum w grad N_a . A . grad N_b. Voigt never appears.
+
+Mixed integration points (D. Magisano, L. Leonetti, G. Garcea, Int. J. Numer. Methods Eng. 109 (2017)
+1237-1262; 111 (2017) 1003-1030): Newton treats the second Piola stress S of every point, and the pressure of
+every element, as unknowns of their own. Condensed, all that changes is the stress in the tangent's geometric
+part: not S(F) of the present iterate but its linear extrapolation from the one before (`extrapolate`). The
+rotation of a step then makes no false stress and the steps may be ten times as long; solution and residual
+stay the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+POLYNOMIAL, OGDEN = 0, 1
+"""Forms of laws: c10 (I1 - 3) + c20 (I1 - 3)^2 + c30 (I1 - 3)^3 + c01 (I2 - 3); powers of stretches."""
+
+
+@njit(cache=True)
+def inverse_transposed(f, h):
+    """Write F^-T into `h`; returns J."""
+    for i in range(3):
+        for j in range(3):
+            a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+            h[i, j] = f[a, c] * f[b, d] - f[a, d] * f[b, c]
+    det = f[0, 0] * h[0, 0] + f[0, 1] * h[0, 1] + f[0, 2] * h[0, 2]
+    for i in range(3):
+        for j in range(3):
+            h[i, j] /= det
+    return det
+
+
+@njit(cache=True)
+def polynomial(f, h, det, c, p, a):
+    """W, P and A of the polynomial law with constants `c`; writes `p` (3, 3) and `a` (9, 9)."""
+    c10, c20, c30, c01 = c[0], c[1], c[2], c[3]
+    scale = det ** (-2.0 / 3.0)
+    i1 = 0.0
+    for i in range(3):
+        for j in range(3):
+            i1 += f[i, j] * f[i, j]
+    k = scale * i1 - 3.0
+    w1 = c10 + k * (2 * c20 + 3 * c30 * k)
+    w11 = 2 * c20 + 6 * c30 * k
+    g1 = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            g1[i, j] = scale * (2 * f[i, j] - 2.0 / 3.0 * i1 * h[i, j])
+            p[i, j] = w1 * g1[i, j]
+    for i in range(3):
+        for j in range(3):
+            row = 3 * i + j
+            for m in range(3):
+                for n in range(3):
+                    value = (-4.0 / 3.0 * (f[i, j] * h[m, n] + h[i, j] * f[m, n])
+                             + 4.0 / 9.0 * i1 * h[i, j] * h[m, n] + 2.0 / 3.0 * i1 * h[i, n] * h[m, j])
+                    if i == m and j == n:
+                        value += 2.0
+                    a[row, 3 * m + n] = w1 * scale * value + w11 * g1[i, j] * g1[m, n]
+    energy = k * (c10 + k * (c20 + k * c30))
+    if c01 != 0.0:
+        energy += _second_invariant(f, h, i1, scale, c01, p, a)
+    return energy
+
+
+@njit(cache=True)
+def _second_invariant(f, h, i1, scale, c01, p, a):
+    """Add c01 (I2 - 3): its energy is returned, its stress and moduli added to `p` and `a`."""
+    b, c = f @ f.T, f.T @ f
+    i2 = 0.5 * (i1 * i1 - np.sum(c * c))
+    g = 2 * (i1 * f - f @ c)
+    s = scale * scale
+    for i in range(3):
+        for j in range(3):
+            p[i, j] += c01 * s * (g[i, j] - 4.0 / 3.0 * i2 * h[i, j])
+            for m in range(3):
+                for n in range(3):
+                    value = (4 * f[i, j] * f[m, n] - 2 * f[i, n] * f[m, j]
+                             - 4.0 / 3.0 * (g[i, j] * h[m, n] + h[i, j] * g[m, n])
+                             + 16.0 / 9.0 * i2 * h[i, j] * h[m, n] + 4.0 / 3.0 * i2 * h[i, n] * h[m, j])
+                    if i == m:
+                        value -= 2 * c[n, j]
+                    if j == n:
+                        value -= 2 * b[i, m]
+                        if i == m:
+                            value += 2 * i1
+                    a[3 * i + j, 3 * m + n] += c01 * s * value
+    return c01 * (s * i2 - 3.0)
+
+
+@njit(cache=True)
+def ogden(f, h, det, c, p, a):
+    """The same for sum of mu_k / alpha_k (l1^alpha_k + ...), c = mu_1, alpha_1, mu_2, alpha_2, ...
+
+    In principal axes of C, with x_a the squared stretches and y_a = J^-2/3 x_a:
+    S = sum 2 dW/dx_a N_a N_a and dS/dC from its derivatives and difference quotients.
+    """
+    x, axes = np.linalg.eigh(f.T @ f)
+    scale = det ** (-2.0 / 3.0)
+    energy, first, second = 0.0, np.zeros(3), np.zeros(3)
+    for q in range(len(c) // 2):
+        mu, alpha = c[2 * q], c[2 * q + 1]
+        for k in range(3):
+            power = (scale * x[k]) ** (alpha / 2)
+            energy += mu / alpha * (power - 1.0)
+            first[k] += mu / 2 * power  # y dw/dy
+            second[k] += mu * alpha / 4 * power  # y d(y dw/dy)/dy
+    mean, mean2 = np.sum(first) / 3, np.sum(second) / 9
+    stress = 2 * (first - mean) / x
+    rate = np.empty((3, 3))  # d stress_a / d x_b
+    for k in range(3):
+        for m in range(3):
+            rate[k, m] = 2 * (mean2 - (second[k] + second[m]) / 3) / (x[k] * x[m])
+            if k == m:
+                rate[k, k] += 2 * second[k] / x[k] ** 2 - stress[k] / x[k]
+    shear = np.empty((3, 3))
+    for k in range(3):
+        for m in range(3):
+            apart = x[k] - x[m]
+            if abs(apart) > 1e-6 * (x[k] + x[m]):
+                shear[k, m] = (stress[k] - stress[m]) / apart
+            else:
+                shear[k, m] = (rate[k, k] + rate[m, m]) / 2 - rate[k, m]
+    spatial = f @ axes  # columns: F N_a
+    p[:] = 0.0
+    for k in range(3):
+        for i in range(3):
+            for j in range(3):
+                p[i, j] += stress[k] * spatial[i, k] * axes[j, k]
+    s = np.zeros((3, 3))
+    for k in range(3):
+        for i in range(3):
+            for j in range(3):
+                s[i, j] += stress[k] * axes[i, k] * axes[j, k]
+    for i in range(3):
+        for j in range(3):
+            for m in range(3):
+                for n in range(3):
+                    value = s[j, n] if i == m else 0.0
+                    for k in range(3):
+                        left = spatial[i, k] * axes[j, k]
+                        for o in range(3):
+                            value += 2 * rate[k, o] * left * spatial[m, o] * axes[n, o]
+                            if k != o:
+                                value += shear[k, o] * spatial[i, k] * axes[j, o] * (
+                                    spatial[m, k] * axes[n, o] + spatial[m, o] * axes[n, k])
+                    a[3 * i + j, 3 * m + n] = value
+    return energy
+
+
+@njit(cache=True)
+def law_at(form, f, h, det, c, p, a):
+    if form == POLYNOMIAL:
+        return polynomial(f, h, det, c, p, a)
+    return ogden(f, h, det, c, p, a)
+
+
+@njit(cache=True)
+def gradient_at(x, cell, dn, f):
+    """F = sum of x_a grad N_a."""
+    f[:] = 0.0
+    for n in range(len(cell)):
+        for i in range(3):
+            for j in range(3):
+                f[i, j] += x[cell[n], i] * dn[n, j]
+
+
+@njit(cache=True)
+def _volume(x, cell, dn, weight, f, h, slopes):
+    """Volume of an element and its derivative (n, 3) with respect to its nodes; least J."""
+    volume, least = 0.0, np.inf
+    slopes[:] = 0.0
+    for g in range(len(weight)):
+        gradient_at(x, cell, dn[g], f)
+        det = inverse_transposed(f, h)
+        least = min(least, det)
+        volume += weight[g] * det
+        for n in range(len(cell)):
+            for i in range(3):
+                slopes[n, i] += weight[g] * det * (
+                    h[i, 0] * dn[g, n, 0] + h[i, 1] * dn[g, n, 1] + h[i, 2] * dn[g, n, 2])
+    return volume, least
+
+
+@njit(cache=True)
+def _second_piola(f, h, p, s):
+    """S = F^-1 P."""
+    for i in range(3):
+        for j in range(3):
+            s[i, j] = h[0, i] * p[0, j] + h[1, i] * p[1, j] + h[2, i] * p[2, j]
+
+
+@njit(cache=True)
+def _add_pressure(h, det, pressure, a):
+    """A += pressure d2J/dFdF."""
+    for i in range(3):
+        for j in range(3):
+            for m in range(3):
+                for n in range(3):
+                    a[3 * i + j, 3 * m + n] += pressure * det * (h[i, j] * h[m, n] - h[i, n] * h[m, j])
+
+
+@njit(cache=True)
+def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure, exact,
+             dofs, place, frames, curves, framed, force, matrix):
+    """Add internal forces and tangent of all elements; returns (energy, least J).
+
+    x (N, 3) nodes, mm; dn (m, g, n, 3) gradients and weight (m, g) volumes of the points; `mean`: Q1P0;
+    stress (m, g, 3, 3), isochoric, and pressure (m, g), of Q1P0 the first of a row: the extrapolated ones,
+    not used where `exact`.
+    Nodes that belong to a rigid body: frames (N, 3, 3) their slopes with respect to its three unknowns,
+    curves (N, 3) the second derivative with respect to its rotation; `framed` (m,): has such nodes.
+    dofs (m, 3 n) unknowns, -1 for none; place (m, 3 n, 3 n) where in `matrix` an entry goes, -1 nowhere.
+    A J <= 0 anywhere: nothing more is added, its value is returned.
+    """
+    count, points, nodes, _ = dn.shape
+    f, h, p, a, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((9, 9)), np.empty((3, 3))
+    ab = np.empty((9, 3))
+    slopes, fe, ke = np.empty((nodes, 3)), np.empty((nodes, 3)), np.empty((3 * nodes, 3 * nodes))
+    turning, known = np.empty((nodes, 3)), np.empty((3, 3))
+    energy, least = 0.0, np.inf
+    for e in range(count):
+        cell = cells[e]
+        level, acting, v0 = 0.0, 0.0, 0.0
+        if mean:
+            volume, low = _volume(x, cell, dn[e], weight[e], f, h, slopes)
+            least = min(least, low)
+            if low <= 0.0:
+                return np.inf, low
+            v0 = weight[e].sum()
+            level = bulk * (volume / v0 - 1.0)
+            acting = level if exact else pressure[e, 0]
+            energy += 0.5 * v0 * bulk * (volume / v0 - 1.0) ** 2
+        fe[:] = 0.0
+        ke[:] = 0.0
+        turning[:] = 0.0
+        for g in range(points):
+            gradient_at(x, cell, dn[e, g], f)
+            det = inverse_transposed(f, h)
+            if det <= 0.0:
+                return np.inf, det
+            least = min(least, det)
+            w = weight[e, g]
+            energy += w * law_at(form, f, h, det, constants, p, a)
+            if not exact:
+                _second_piola(f, h, p, s)
+                for j in range(3):
+                    for n in range(3):
+                        more = stress[e, g, j, n] - s[j, n]
+                        for i in range(3):
+                            a[3 * i + j, 3 * i + n] += more
+            if not mean:
+                energy += w * 0.5 * bulk * (det - 1.0) ** 2
+                level = bulk * (det - 1.0)
+                acting = level if exact else pressure[e, g]
+                for i in range(3):
+                    for j in range(3):
+                        p[i, j] += level * det * h[i, j]
+                        for m in range(3):
+                            for n in range(3):
+                                a[3 * i + j, 3 * m + n] += bulk * det * det * h[i, j] * h[m, n]
+            _add_pressure(h, det, acting, a)
+            for n in range(nodes):
+                for i in range(3):
+                    fe[n, i] += w * (p[i, 0] * dn[e, g, n, 0] + p[i, 1] * dn[e, g, n, 1]
+                                     + p[i, 2] * dn[e, g, n, 2])
+                if framed[e]:
+                    known = p if exact else f @ stress[e, g] + acting * det * h
+                    for i in range(3):
+                        turning[n, i] += w * (known[i, 0] * dn[e, g, n, 0] + known[i, 1] * dn[e, g, n, 1]
+                                              + known[i, 2] * dn[e, g, n, 2])
+                for row in range(9):
+                    for j in range(3):
+                        ab[row, j] = w * (a[row, 3 * j] * dn[e, g, n, 0] + a[row, 3 * j + 1] * dn[e, g, n, 1]
+                                          + a[row, 3 * j + 2] * dn[e, g, n, 2])
+                for m in range(n, nodes):
+                    d0, d1, d2 = dn[e, g, m, 0], dn[e, g, m, 1], dn[e, g, m, 2]
+                    for i in range(3):
+                        for j in range(3):
+                            ke[3 * m + i, 3 * n + j] += (d0 * ab[3 * i, j] + d1 * ab[3 * i + 1, j]
+                                                         + d2 * ab[3 * i + 2, j])
+        if mean:
+            for n in range(nodes):
+                for i in range(3):
+                    fe[n, i] += level * slopes[n, i]
+            for n in range(nodes):
+                for m in range(n, nodes):
+                    for i in range(3):
+                        for j in range(3):
+                            ke[3 * m + i, 3 * n + j] += bulk / v0 * slopes[m, i] * slopes[n, j]
+        for n in range(nodes):
+            for m in range(n + 1, nodes):
+                for i in range(3):
+                    for j in range(3):
+                        ke[3 * n + j, 3 * m + i] = ke[3 * m + i, 3 * n + j]
+        if framed[e]:
+            to_bodies(cell, frames, curves, turning, fe, ke)
+        scatter(dofs[e], place[e], fe, ke, force, matrix)
+    return energy, least
+
+
+@njit(cache=True)
+def to_bodies(cell, frames, curves, turning, fe, ke):
+    """Forces and stiffness of nodes that rigid bodies carry, in those bodies' unknowns.
+
+    `turning` (n, 3): the forces that the bones' rotation turns, of the stresses of the geometric part.
+    """
+    nodes = len(cell)
+    block, turned = np.empty((3, 3)), np.empty(3)
+    for n in range(nodes):
+        for m in range(nodes):
+            t, u = frames[cell[n]], frames[cell[m]]
+            for i in range(3):
+                for j in range(3):
+                    total = 0.0
+                    for k in range(3):
+                        for o in range(3):
+                            total += t[k, i] * ke[3 * n + k, 3 * m + o] * u[o, j]
+                    block[i, j] = total
+            for i in range(3):
+                for j in range(3):
+                    ke[3 * n + i, 3 * m + j] = block[i, j]
+    for n in range(nodes):
+        curve, t = curves[cell[n]], frames[cell[n]]
+        ke[3 * n + 2, 3 * n + 2] += turning[n, 0] * curve[0] + turning[n, 1] * curve[1] + turning[n, 2] * curve[2]
+        for i in range(3):
+            turned[i] = t[0, i] * fe[n, 0] + t[1, i] * fe[n, 1] + t[2, i] * fe[n, 2]
+        for i in range(3):
+            fe[n, i] = turned[i]
+
+
+@njit(cache=True)
+def scatter(dofs, place, fe, ke, force, matrix):
+    """Add an element's forces (n, 3) and stiffness (3 n, 3 n) to the system's."""
+    size = len(dofs)
+    for i in range(size):
+        if dofs[i] < 0:
+            continue
+        force[dofs[i]] += fe[i // 3, i % 3]
+        for j in range(size):
+            where = place[i, j]
+            if where >= 0:
+                matrix[where] += ke[i, j]
+
+
+@njit(cache=True)
+def extrapolate(x, step, cells, dn, weight, form, constants, bulk, mean, stress, pressure):
+    """Write stress and pressure after the nodes' `step` (N, 3) from `x`, to first order."""
+    count, points, nodes, _ = dn.shape
+    f, h, p, a, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((9, 9)), np.empty((3, 3))
+    df, dp, slopes = np.empty((3, 3)), np.empty((3, 3)), np.empty((nodes, 3))
+    for e in range(count):
+        cell = cells[e]
+        if mean:
+            volume, _ = _volume(x, cell, dn[e], weight[e], f, h, slopes)
+            grown = 0.0
+            for n in range(nodes):
+                for i in range(3):
+                    grown += slopes[n, i] * step[cell[n], i]
+            pressure[e, 0] = bulk * ((volume + grown) / weight[e].sum() - 1.0)
+        for g in range(points):
+            gradient_at(x, cell, dn[e, g], f)
+            gradient_at(step, cell, dn[e, g], df)
+            det = inverse_transposed(f, h)
+            law_at(form, f, h, det, constants, p, a)
+            if not mean:
+                pressure[e, g] = bulk * (det * (1.0 + np.sum(h * df)) - 1.0)
+            for i in range(3):
+                for j in range(3):
+                    total = 0.0
+                    for m in range(3):
+                        for n in range(3):
+                            total += a[3 * i + j, 3 * m + n] * df[m, n]
+                    dp[i, j] = total
+            _second_piola(f, h, p, s)
+            dp -= df @ s
+            for i in range(3):
+                for j in range(3):
+                    stress[e, g, i, j] = s[i, j] + h[0, i] * dp[0, j] + h[1, i] * dp[1, j] + h[2, i] * dp[2, j]
+
+
+@njit(cache=True)
+def largest_stretch(x, cells, dn):
+    """(m,) largest principal stretch at the elements' middles: `dn` (m, 1, n, 3) gradients there."""
+    found, f = np.empty(len(cells)), np.empty((3, 3))
+    for e in range(len(cells)):
+        gradient_at(x, cells[e], dn[e, 0], f)
+        found[e] = np.sqrt(np.linalg.eigvalsh(f.T @ f)[2])
+    return found

@@ -1,0 +1,74 @@
+"""The solid model: a case in, its curve out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from handgen.simulation.case import Case, Curve, Grid, State
+
+
+def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:
+    """Bend `case` from no load through all of its points, in the order asked for.
+
+    The first call ever compiles the kernels, which takes about half a minute; they are kept on disk.
+
+    Raises:
+        ValueError: a law that the kernels do not know, or gravity across the plane of symmetry.
+    """
+    say = progress or (lambda line: None)
+    if case.gravity[1] != 0.0:
+        raise ValueError("half of the finger is modelled: gravity may not act across its plane of symmetry")
+    if not _compiled():
+        say("compiling the kernels, once (about half a minute)")
+    from handgen.simulation import observe
+    from handgen.simulation.solve import Solver
+    from handgen.simulation.system import Load, System
+
+    begun = time.perf_counter()
+    system = System(case)
+    solver = Solver(system)
+    weight = 1.0 if any(case.gravity) else 0.0
+    targets = ([Load(weight, 0.0, t) for t in case.tip_loads] if case.part == "exoskeleton"
+               else [Load(weight, p, case.tip_loads[0]) for p in case.pressures])
+    states: list[State] = []
+    point = solver.begin()
+    reached, stopped = 0.0, "" if point else "the unloaded finger finds no balance"
+    if point and targets[0].tip and case.part != "exoskeleton":
+        point, _ = solver.advance(point, Load(weight, 0.0, targets[0].tip))
+    for target in targets:
+        if not stopped:
+            point, there = solver.advance(point, target)
+            if there:
+                states.append(observe.state(system, point, _note(point)))
+                reached = target.tip if case.part == "exoskeleton" else target.pressure
+                say(_line(states[-1]))
+                continue
+            stopped = f"no stable state was found beyond {_amount(case, point.load)}"
+        states.append(State(target.pressure, target.tip, False, note=stopped))
+    grids = {name: Grid(mesh.grid.nodes, mesh.grid.cells) for name, mesh in
+             (("actuator", system.actuator), ("exoskeleton", system.exoskeleton)) if mesh is not None}
+    return Curve(tuple(states), grids, reached, tuple(solver.folds), system.size, solver.cost.factorisations,
+                 time.perf_counter() - begun, stopped)
+
+
+def _compiled() -> bool:
+    """Whether the kernels lie compiled on disk already; a guess that only decides what is said."""
+    from pathlib import Path
+
+    from handgen.simulation import element
+
+    folder = Path(element.assemble.stats.cache_path)
+    return any(folder.glob("element.assemble-*.nbc"))
+
+
+def _note(point) -> str:
+    return f"folds at {1e3 * point.folds[-1]:.1f} kPa" if point.folds else ""
+
+
+def _amount(case: Case, load) -> str:
+    return f"{load.tip:.3g} N" if case.part == "exoskeleton" else f"{1e3 * load.pressure:.1f} kPa"
+
+
+def _line(state: State) -> str:
+    return f"{1e3 * state.pressure:.0f} kPa, {state.tip_load:.2f} N: tip {state.tip_drop:.1f} mm below the palm"

@@ -1,0 +1,226 @@
+"""From no load to full load: Newton with mixed integration points, steps that adapt, folds that are told.
+
+A state is accepted only when it is in balance (TOLERANCE), every Jacobian is positive and the tangent made
+from its own stresses is positive definite: a stable equilibrium. That last factorisation is not lost: it
+gives the next step's tangent predictor, bent by the change of tangents from step to step.
+
+A step that fails is cut back. Where the shortest step fails, the finger may have reached a limit point:
+then it is followed in artificial time, against a viscous drag that is let go little by little (every step of
+it a minimum of energy + drag |q - q_before|^2 / 2), down to whatever stable state lies below. If there is one
+the point is kept and marked as a fold; if there is none the curve ends there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from handgen.simulation.contact import SOFT
+from handgen.simulation.sparse import factoriser
+from handgen.simulation.system import Load, System
+
+TOLERANCE = 1e-5
+"""Largest out-of-balance force over the largest acting one."""
+LEAST_FORCE = 1e-3
+"""N; what an acting force counts at least."""
+ITERATIONS = 12
+HOPELESS = 1e9
+"""A residual beyond which Newton does not come back."""
+NEGATIVES = 4
+"""Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
+STEPS = Load(0.5, 0.005, 0.06)
+"""First steps: share of own weight, MPa, N."""
+LONGEST = Load(0.5, 0.010, 0.20)
+SHORTEST = Load(0.01, 0.0002, 0.002)
+GROWTH, CUT = 1.5, 0.35
+"""Of a step after an easy and after a failed one."""
+EASY = 5
+"""Iterations up to which the next step may be longer."""
+DRAG = 1.0
+"""N/mm on an element's share of mass, at first, when a fold is followed in artificial time."""
+RELAXATIONS = 80
+"""Steps of artificial time at most."""
+
+
+@dataclass
+class Point:
+    """A stable state."""
+
+    load: Load
+    q: np.ndarray
+    residual: float
+    folds: tuple[float, ...] = ()
+    """Pressures, MPa, of the jumps on the way here from the target before."""
+
+
+@dataclass
+class Cost:
+    """What a run has cost so far."""
+
+    factorisations: int = 0
+    assemblies: int = 0
+    indefinite: int = 0
+    steps: int = 0
+    cuts: int = 0
+
+
+class Solver:
+    """Follows the equilibrium of `system` from no load."""
+
+    def __init__(self, system: System, factorisers: str = ""):
+        self.system = system
+        self.matrix = factoriser(system.pattern, factorisers)
+        self.cost = Cost()
+        self.folds: list[float] = []
+        self.stopped = ""
+        self._steps = list(STEPS.parts)
+        self._slope: np.ndarray | None = None
+        self._direction: tuple[float, ...] | None = None
+
+    # Steps
+
+    def begin(self) -> Point | None:
+        """The unloaded state; an actuator pushed into a curled finger must first find its balance."""
+        q = self.system.start.copy()
+        self.system.extrapolate(q, np.zeros_like(q))
+        point = self._relaxed(q, Load()) if q.any() else Point(Load(), q, 0.0)
+        # Surfaces that just touch would let the first predictor pass through them: half of it they hold.
+        s = self.system
+        s.extrapolate(q, np.zeros_like(q))
+        s.grip = SOFT
+        _, _, values, _ = s.assemble(point.q, point.load, exact=False)
+        s.grip = 0.0
+        return point if self._factorise(values) else None
+
+    def advance(self, point: Point, target: Load) -> tuple[Point, bool]:
+        """(the furthest stable state towards `target`, whether it got there)."""
+        folds: tuple[float, ...] = ()
+        while True:
+            gap = np.subtract(target.parts, point.load.parts)
+            wanted = max((abs(g) / s for g, s in zip(gap, self._steps, strict=True)), default=0.0)
+            if wanted < 1e-9:
+                return replace(point, folds=folds), True
+            share = min(1.0, 1.0 / wanted)
+            if 1.0 < wanted < 2.0:
+                share = 0.5  # two equal steps rather than a long and a tiny one
+            new = point.load.towards(target, share) if share < 1.0 else target
+            found = self._step(point, new)
+            if found is not None:
+                self.cost.steps += 1
+                point, iterations = found
+                if iterations <= EASY:
+                    self._scale(GROWTH)
+                continue
+            self.cost.cuts += 1
+            self._slope = None
+            self._scale(CUT)
+            if self._shortest(gap):
+                jumped = self._relaxed(point.q, point.load.towards(target, min(1.0, 2 * share)))
+                if jumped is None or not self._stable(jumped):
+                    return replace(point, folds=folds), False
+                folds += (float(point.load.pressure),)
+                self.folds.append(folds[-1])
+                point = jumped
+                self.system.accept(point.q)
+                self._scale(1 / CUT)
+
+    def _scale(self, factor: float) -> None:
+        self._steps = [min(s * factor, most) for s, most in zip(self._steps, LONGEST.parts, strict=True)]
+
+    def _shortest(self, gap: np.ndarray) -> bool:
+        return any(g != 0 and s < least for g, s, least in zip(gap, self._steps, SHORTEST.parts, strict=True))
+
+    def _step(self, point: Point, load: Load) -> tuple[Point, int] | None:
+        """(stable state under `load`, iterations) or None; leaves its tangent factorised.
+
+        The tangent of `point` itself must stand factorised: `_stable` does that, here or when it was found.
+        """
+        s, q = self.system, point.q
+        if self._slope is None and self.cost.steps and not self._stable(point):
+            return None
+        s.extrapolate(q, np.zeros_like(q))
+        _, force, _, _ = s.assemble(q, load, exact=False)
+        change = np.subtract(load.parts, point.load.parts)
+        size = float(np.abs(change / STEPS.parts).max())
+        first = -self.matrix.solve(force)
+        step, slope, direction = first, first / size, tuple(np.sign(change))
+        if self._slope is not None and self._slope[2] == direction:
+            before, length, _ = self._slope
+            step = first + (slope - before) / length * size**2 / 2
+        # What bends a step keeps lengths as rotations change them: it strains nothing to first order.
+        s.extrapolate(q, first)
+        # Friction takes the normal forces that the predictor expects: known through the whole step.
+        s.rubbing[:] = s.pressed
+        found = self._newton(q + step, load)
+        if found is not None:
+            reached = Point(load, found[0], found[1])
+            if self._stable(reached):
+                s.accept(reached.q)
+                self._slope = (slope, size, direction)
+                return reached, found[2]
+        self._slope = None
+        return None
+
+    def _newton(self, q: np.ndarray, load: Load, drag: np.ndarray | None = None,
+                centre: np.ndarray | None = None) -> tuple[np.ndarray, float, int] | None:
+        """(q in balance, residual, iterations) from `q`, or None; `drag` (n,) N/mm pulls to `centre`."""
+        s = self.system
+        for iteration in range(ITERATIONS + 1):
+            _, force, values, least = s.assemble(q, load, exact=False)
+            self.cost.assemblies += 1
+            if least <= 0.0 or not np.isfinite(force).all():
+                return None
+            if drag is not None:
+                force = force + drag * (q - centre)
+                values[s.pattern.diagonal] += drag
+            residual = float(np.abs(force).max() / self._acting(load))
+            if residual < TOLERANCE:
+                return q, residual, iteration
+            if iteration == ITERATIONS or residual > HOPELESS:
+                return None
+            if not self._factorise(values):
+                self.cost.indefinite += 1
+                if drag is not None or self.matrix.indefinite(values) > NEGATIVES:
+                    return None
+            step = -self.matrix.solve(force)
+            s.extrapolate(q, step)
+            q = q + step
+        return None
+
+    def _relaxed(self, q: np.ndarray, load: Load) -> Point | None:
+        """The stable state that a drag, let go little by little, leads to from `q`."""
+        s = self.system
+        centre, strength = q, DRAG
+        s.rubbing[:] = s.normal
+        for _ in range(RELAXATIONS):
+            s.extrapolate(centre, np.zeros_like(centre))
+            found = self._newton(centre, load, strength * s.inertia, centre)
+            if found is None:
+                strength *= 5.0
+                if strength > 1e6 * DRAG:
+                    return None
+                continue
+            centre = found[0]
+            if strength < 1e-4 * DRAG:
+                free = self._newton(centre, load)
+                if free is not None:
+                    return Point(load, free[0], free[1])
+            strength *= 0.4 if found[2] <= EASY else 0.8
+        return None
+
+    def _stable(self, point: Point) -> bool:
+        """Whether the tangent of `point` is positive definite; it stays factorised."""
+        _, _, values, least = self.system.assemble(point.q, point.load, exact=True)
+        return least > 0.0 and self._factorise(values)
+
+    def _factorise(self, values: np.ndarray) -> bool:
+        self.cost.factorisations += 1
+        return self.matrix.factorise(values)
+
+    def _acting(self, load: Load) -> float:
+        """The largest acting force on an unknown, N: what the residual is measured against."""
+        s = self.system
+        pushed = s.largest_face * load.pressure
+        weight = load.weight * s.heaviest * float(np.linalg.norm(s.gravity))
+        return max(pushed, weight, load.tip / 2, LEAST_FORCE)

@@ -1,0 +1,133 @@
+"""The system's sparse matrix: one pattern for all load steps, and who factorises it.
+
+A factoriser takes the lower triangle and says whether it is positive definite: the tangent of a stable
+state is, so that a Cholesky that fails is itself the guard. CHOLMOD (Y. Chen, T. A. Davis, W. W. Hager,
+S. Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22) through cvxopt is the fastest small one; without it
+scipy's SuperLU does the same, several times slower.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+class Pattern:
+    """Where the entries of elements' matrices go in the lower triangle, column by column.
+
+    `groups`: for each kind of element an array (m, n) of unknowns, -1 for none.
+    """
+
+    def __init__(self, groups: Sequence[np.ndarray], size: int):
+        self.size = size
+        keys = [np.arange(size, dtype=np.int64) * (size + 1)]
+        keys += [np.unique(self._keys(g)) for g in groups if len(g)]
+        known = np.unique(np.concatenate(keys))
+        known = known[known >= 0]
+        self.columns, self.rows = known // size, known % size
+        self.entries = len(known)
+        self.places = [np.searchsorted(known, key := self._keys(g)).astype(np.int32) * (key >= 0) - (key < 0)
+                       for g in groups]
+        for i, g in enumerate(self.places):
+            self.places[i] = np.ascontiguousarray(g.astype(np.int32))
+        self.diagonal = np.searchsorted(known, np.arange(size, dtype=np.int64) * (size + 1))
+
+    def _keys(self, dofs: np.ndarray) -> np.ndarray:
+        """(m, n, n) column * size + row of entries (row, column) in the lower triangle, else -1."""
+        row, column = dofs[:, :, None].astype(np.int64), dofs[:, None, :].astype(np.int64)
+        kept = (row >= column) & (column >= 0)
+        return np.where(kept, column * self.size + row, -1)
+
+
+class Cholmod:
+    """Supernodal Cholesky of cvxopt."""
+
+    name = "CHOLMOD"
+
+    def __init__(self, pattern: Pattern):
+        from cvxopt import cholmod, matrix, spmatrix
+
+        self._cholmod, self._matrix = cholmod, matrix
+        cholmod.options["supernodal"] = 2
+        cholmod.options["print"] = 0
+        self._a = spmatrix(1.0, pattern.rows.tolist(), pattern.columns.tolist(), (pattern.size, pattern.size))
+        self._factor = self._used = cholmod.symbolic(self._a, uplo="L")
+        self._simplicial = None
+
+    def factorise(self, values: np.ndarray) -> bool:
+        """Whether the matrix of `values` is positive definite; then `solve` may be called."""
+        self._a.V = self._matrix(values)
+        self._used = self._factor
+        try:
+            self._cholmod.numeric(self._a, self._factor)
+        except ArithmeticError:
+            return False
+        return True
+
+    def indefinite(self, values: np.ndarray) -> int:
+        """Factorise what need not be positive definite; returns the number of negative pivots."""
+        self._a.V = self._matrix(values)
+        self._cholmod.options["supernodal"] = 0
+        try:
+            if self._simplicial is None:
+                self._simplicial = self._cholmod.symbolic(self._a, uplo="L")
+            self._cholmod.numeric(self._a, self._simplicial)
+            self._used = self._simplicial
+            pivots = self._matrix(1.0, (self._a.size[0], 1))
+            self._cholmod.solve(self._simplicial, pivots, sys=6)
+        except ArithmeticError:
+            return self._a.size[0]
+        finally:
+            self._cholmod.options["supernodal"] = 2
+        return int((np.array(pivots) < 0).sum())
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        found = self._matrix(right)
+        self._cholmod.solve(self._used, found)
+        return np.array(found).ravel()
+
+
+class SuperLU:
+    """scipy's LU without pivoting: its pivots' signs are those of a Cholesky's squares."""
+
+    name = "SuperLU"
+
+    def __init__(self, pattern: Pattern):
+        from scipy.sparse import csc_matrix
+
+        starts = np.concatenate([[0], np.cumsum(np.bincount(pattern.columns, minlength=pattern.size))])
+        self._lower = csc_matrix((np.ones(pattern.entries), pattern.rows, starts),
+                                 shape=(pattern.size, pattern.size))
+
+    def factorise(self, values: np.ndarray) -> bool:
+        from scipy.sparse import tril
+        from scipy.sparse.linalg import splu
+
+        self._lower.data[:] = values
+        whole = (self._lower + tril(self._lower, -1).T).tocsc()
+        try:
+            self._lu = splu(whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
+                            options={"SymmetricMode": True})
+        except RuntimeError:
+            return False
+        return bool((self._lu.U.diagonal() > 0).all())
+
+    def indefinite(self, values: np.ndarray) -> int:
+        if self.factorise(values):
+            return 0
+        return int((self._lu.U.diagonal() < 0).sum())
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        return self._lu.solve(right)
+
+
+def factoriser(pattern: Pattern, name: str = "") -> Cholmod | SuperLU:
+    """The best factoriser at hand, or the one of that name."""
+    if name != SuperLU.name:
+        try:
+            return Cholmod(pattern)
+        except ImportError:
+            if name:
+                raise
+    return SuperLU(pattern)

@@ -1,0 +1,426 @@
+"""The finger as one system of equations: bodies, unknowns, energy, out-of-balance force and tangent.
+
+Unknowns: three displacements of every free node (two in the plane of symmetry) and three of every rigid
+bone (dx, dz, flexion). Everything but friction's lagged normal force is the derivative of one energy, so the
+tangent is symmetric, and positive definite where the state is stable.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from handgen.materials.law import Law
+from handgen.simulation import cavity, contact, element, fibre, shapes
+from handgen.simulation.case import Case, Grid, Substance
+from handgen.simulation.exoskeleton import NEVER, ExoskeletonMesh, exoskeleton_mesh
+from handgen.simulation.mesh import ActuatorMesh, actuator_mesh
+from handgen.simulation.sparse import Pattern
+
+PLANE = 1e-9
+"""mm; nodes nearer to y = 0 lie in the plane of symmetry."""
+REACH_BACK, REACH_ON = 8.0, 60.0
+"""mm that a node of the actuator may slide towards root and tip: the bones it is paired with."""
+POLYNOMIALS = {"neo_hookean": ("c10",), "mooney_rivlin": ("c10", "c01"), "yeoh": ("c10", "c20", "c30")}
+"""Laws that the kernel's polynomial holds, with their constants in order."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """What acts: share of own weight, pressure MPa, tip load N."""
+
+    weight: float = 0.0
+    pressure: float = 0.0
+    tip: float = 0.0
+
+    def towards(self, other: Load, share: float) -> Load:
+        return Load(*(a + share * (b - a) for a, b in zip(self.parts, other.parts, strict=True)))
+
+    @property
+    def parts(self) -> tuple[float, float, float]:
+        return self.weight, self.pressure, self.tip
+
+
+def kernel_law(law: Law) -> tuple[int, np.ndarray]:
+    """(form, constants) of `law` as `element.law_at` takes them.
+
+    Raises:
+        ValueError: the kernel does not know this law.
+    """
+    if law.name == "ogden":
+        return element.OGDEN, np.array([v for pair in zip(*law.constants, strict=True) for v in pair])
+    if law.name not in POLYNOMIALS:
+        raise ValueError(f"the solid model knows {', '.join([*POLYNOMIALS, 'ogden'])}, not {law.name}")
+    values = dict(zip(POLYNOMIALS[law.name], law.constants, strict=True))
+    return element.POLYNOMIAL, np.array([values.get(name, 0.0) for name in ("c10", "c20", "c30", "c01")])
+
+
+@dataclass
+class Block:
+    """The elements of one material, with what Newton extrapolates at their points."""
+
+    cells: np.ndarray
+    dn: np.ndarray
+    weight: np.ndarray
+    form: int
+    constants: np.ndarray
+    bulk: float
+    mean: bool
+    framed: np.ndarray
+    dofs: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), int))
+    place: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 0), np.int32))
+
+    def __post_init__(self):
+        self.stress = np.zeros((*self.weight.shape, 3, 3))
+        self.pressure = np.zeros(self.weight.shape)
+
+
+class System:
+    """`case` discretised. Nodes of the actuator come first, then those of the exoskeleton."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.actuator: ActuatorMesh | None = None
+        self.exoskeleton: ExoskeletonMesh | None = None
+        if case.part != "exoskeleton":
+            self.actuator = actuator_mesh(case.actuator, case.winding, case.refine)
+        if case.part != "actuator":
+            self.exoskeleton = exoskeleton_mesh(case.finger, case.fillet, case.refine)
+        self.first = len(self.actuator.grid.nodes) if self.actuator else 0
+        self._number()
+        self._weigh()
+        self.blocks = self._blocks()
+        self._pairs()
+        self._lay_out()
+
+    # Nodes and unknowns
+
+    def _number(self) -> None:
+        meshes = [m for m in (self.actuator, self.exoskeleton) if m is not None]
+        self.drawn = np.vstack([m.grid.nodes for m in meshes])
+        self.body = np.full(len(self.drawn), NEVER)
+        held = np.zeros(len(self.drawn), bool)
+        self.bones = None
+        count = 0
+        if self.actuator:
+            held[:self.first] = self.actuator.grid.nodes[:, 0] <= self.case.held + PLANE
+        if self.exoskeleton:
+            self.bones = self.exoskeleton.bones
+            self.body[self.first:] = self.exoskeleton.body
+            count = len(self.bones.start)
+        free = (self.body == NEVER) & ~held
+        kept = np.zeros((len(self.drawn), 3), bool)
+        kept[free] = True
+        kept[np.abs(self.drawn[:, 1]) < PLANE, 1] = False
+        self.node_dofs = np.full(kept.shape, -1)
+        self.node_dofs[kept] = np.arange(kept.sum())
+        self.size = int(kept.sum())
+        self.body_dofs = np.full((max(count, 1), 3), -1)
+        if count:
+            self.body_dofs[1:] = self.size + np.arange(3 * (count - 1)).reshape(-1, 3)
+            self.size += 3 * (count - 1)
+        carried = self.body != NEVER
+        self.dofs = self.node_dofs.copy()
+        self.dofs[carried] = self.body_dofs[self.body[carried]]
+        self.straight = np.zeros((len(self.drawn), 3))
+        if self.exoskeleton:
+            self.straight[self.first:] = self.exoskeleton.straight
+        self.start = self._start()
+
+    def _start(self) -> np.ndarray:
+        """First guess: an actuator, cast straight, is pushed into a finger with a rest curl."""
+        q = np.zeros(self.size)
+        if self.actuator and self.exoskeleton and np.any(self.bones.angle):
+            from handgen.geometry.finger import Axis
+
+            drawn = self.actuator.grid.nodes
+            axis = Axis(self.case.finger, self.case.fillet)
+            moved = axis.carry(drawn) - drawn
+            at = self.node_dofs[:self.first]
+            q[at[at >= 0]] = moved[at >= 0]
+        return q
+
+    def bone_states(self, q: np.ndarray) -> np.ndarray:
+        """(b, 3) dx, dz, flexion of every bone."""
+        return np.where(self.body_dofs >= 0, q[self.body_dofs], 0.0)
+
+    def positions(self, q: np.ndarray) -> np.ndarray:
+        """(N, 3) nodes, mm."""
+        x = self.drawn + np.where(self.node_dofs >= 0, q[self.node_dofs], 0.0)
+        if self.bones is not None:
+            states = self.bone_states(q)
+            for b in range(len(self.bones.start)):
+                mine = self.body == b
+                x[mine] = self.bones.carried(b, self.straight[mine], states)
+        return x
+
+    def _frames(self, q: np.ndarray):
+        """(slopes (N, 3, 3), curves (N, 3)) of carried nodes with respect to their bone's unknowns."""
+        slopes, curves = np.zeros((len(self.drawn), 3, 3)), np.zeros((len(self.drawn), 3))
+        slopes[:] = np.eye(3)
+        if self.bones is None:
+            return slopes, curves
+        states = self.bone_states(q)
+        for b in range(len(self.bones.start)):
+            mine = self.body == b
+            a = self.bones.angle[b] + states[b, 2]
+            c, s = np.cos(a), np.sin(a)
+            u, w = self.straight[mine, 0] - self.bones.pivot[b], self.straight[mine, 2]
+            slopes[mine] = 0.0
+            slopes[mine, 0, 0] = slopes[mine, 2, 1] = 1.0
+            slopes[mine, 0, 2], slopes[mine, 2, 2] = -s * u + c * w, -c * u - s * w
+            curves[mine, 0], curves[mine, 2] = -c * u - s * w, s * u - c * w
+        return slopes, curves
+
+    # Elements
+
+    def _blocks(self) -> list[Block]:
+        found = []
+        if self.actuator:
+            found.append(self._block(self.actuator.grid, 0, self.case.silicone, mean=True))
+        if self.exoskeleton:
+            found.append(self._block(self.exoskeleton.grid, self.first, self.case.tpu, mean=False))
+        return found
+
+    def _block(self, grid: Grid, first: int, substance: Substance, *, mean: bool) -> Block:
+        cells = grid.cells + first
+        cells = cells[(self.dofs[cells] >= 0).any(axis=(1, 2))]
+        rigid = (self.body[cells] == self.body[cells][:, :1]).all(axis=1) & (self.body[cells[:, 0]] != NEVER)
+        cells = np.ascontiguousarray(cells[~rigid])
+        dn, weight = shapes.gradients(self.drawn, cells)
+        form, constants = kernel_law(substance.law)
+        return Block(cells, dn, weight, form, constants, substance.bulk, mean,
+                     (self.body[cells] != NEVER).any(axis=1))
+
+    def _weigh(self) -> None:
+        """Masses of nodes (deformable elements, evenly to their points' shape) and of rigid bones."""
+        self.masses = np.zeros(len(self.drawn))
+        for mesh, first, substance in ((self.actuator, 0, self.case.silicone),
+                                       (self.exoskeleton, self.first, self.case.tpu)):
+            if mesh is None:
+                continue
+            cells = mesh.grid.cells + first
+            carried = self.body[cells]
+            rigid = (carried == carried[:, :1]).all(axis=1) & (carried[:, 0] != NEVER)
+            cells = cells[~rigid]
+            _, volume = shapes.gradients(self.drawn, cells)
+            share = shapes.values(cells.shape[1])
+            np.add.at(self.masses, cells, substance.density * volume @ share)
+        self.gravity = np.array(self.case.gravity)
+        heavy = self.masses[self.body == NEVER]
+        if self.exoskeleton:
+            heavy = np.append(heavy, self.exoskeleton.volumes * self.case.tpu.density)
+        self.heaviest = float(heavy.max())
+        self.inertia = self._inertia()
+
+    def _inertia(self) -> np.ndarray:
+        """(n,) what artificial time drags on each unknown: masses over their mean, bones' turns by arm."""
+        mean = self.masses[self.masses > 0].mean()
+        found = np.zeros(self.size)
+        free = self.node_dofs >= 0
+        found[self.node_dofs[free]] = (np.maximum(self.masses, 0.1 * mean)[:, None] * np.ones(3))[free] / mean
+        for b in range(1, len(self.bones.start) if self.bones is not None else 0):
+            places, masses = self._centres(b)
+            arms = ((places - [self.bones.pivot[b], 0, 0]) ** 2).sum(axis=1)
+            found[self.body_dofs[b]] = np.array([masses.sum(), masses.sum(), (masses * arms).sum()]) / mean
+        return found
+
+    def _pairs(self) -> None:
+        """Pairs of contact: actuator and bones; and the points of the bones that may meet the plane."""
+        nodes, bodies, kinds, areas = [], [], [], []
+        if self.actuator and self.exoskeleton:
+            a, bones = self.actuator, self.bones
+            x = a.grid.nodes[a.outside, 0]
+            movable = (self.node_dofs[a.outside] >= 0).any(axis=1)
+            for b in range(len(bones.start)):
+                near = movable & (x + REACH_ON > bones.start[b]) & (x - REACH_BACK < bones.end[b])
+                nodes.append(a.outside[near])
+                bodies.append(np.full(near.sum(), b))
+                kinds.append(np.full(near.sum(), contact.BORE))
+                areas.append(a.outside_area[near])
+            nodes.append(a.face)
+            bodies.append(np.full(len(a.face), len(bones.start) - 1))
+            kinds.append(np.full(len(a.face), contact.FACE))
+            areas.append(a.face_area)
+        none = np.zeros(0, int)
+        self.pair_nodes, self.pair_bodies, self.pair_kinds = (
+            np.concatenate(v) if v else none for v in (nodes, bodies, kinds))
+        self.pair_areas = np.concatenate(areas) if areas else np.zeros(0)
+        self.anchors = np.full(len(self.pair_nodes), np.nan)
+        self.normal = np.zeros(len(self.pair_nodes))
+        self.pressed = np.zeros(len(self.pair_nodes))
+        self.rubbing = np.zeros(len(self.pair_nodes))
+        self.grip = 0.0
+        self.plane_points, self.plane_bodies, self.plane_areas = self._plane()
+
+    def _plane(self):
+        """Points of the bones' palmar outside, straight, their bones, and the area of each, mm2."""
+        if self.case.obstacle is None or self.bones is None:
+            return np.zeros((0, 3)), np.zeros(0, int), np.zeros(0)
+        profile, points, bodies, areas = self.case.finger, [], [], []
+        for b, (start, end) in enumerate(zip(self.bones.start, self.bones.end, strict=True)):
+            last = b == len(self.bones.start) - 1
+            stop = profile.length if last else end
+            x = np.linspace(start, stop, max(2, round((stop - start) / 0.5)) + 1)
+            if last:
+                # Evenly along the rounded tip's arc, not along x.
+                dome = profile.finger.inner_length + (profile.length - profile.finger.inner_length) * np.sin(
+                    np.linspace(0, np.pi / 2, 31))
+                x = np.concatenate([x[x < dome[0] - 0.25], dome])
+            points.append(np.stack([x, 0 * x, -profile.outer_radius(x)], -1))
+            bodies.append(np.full(len(x), b))
+            areas.append(np.full(len(x), 1.0))
+        return np.vstack(points), np.concatenate(bodies), np.concatenate(areas)
+
+    def _lay_out(self) -> None:
+        """Unknowns of all elements and where their matrices' entries go."""
+        groups = [self.dofs[b.cells].reshape(len(b.cells), -1) for b in self.blocks]
+        a = self.actuator
+        ends = a.threads if a else np.zeros((0, 2), int)
+        faces = a.chamber if a else np.zeros((0, 4), int)
+        moving = (self.dofs[ends] >= 0).any(axis=(1, 2))
+        self.threads = np.ascontiguousarray(ends[moving])
+        self.faces = np.ascontiguousarray(faces[(self.dofs[faces] >= 0).any(axis=(1, 2))])
+        corners = self.drawn[self.faces]
+        diagonals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        self.largest_face = float(np.linalg.norm(diagonals, axis=1).max() / 2) if len(self.faces) else 0.0
+        self._wind(moving)
+        pairs = np.hstack([self.dofs[self.pair_nodes], self.body_dofs[self.pair_bodies]])
+        plane = self.body_dofs[self.plane_bodies]
+        groups += [self.dofs[self.threads].reshape(-1, 6), self.dofs[self.faces].reshape(-1, 12), pairs, plane,
+                   self.body_dofs]
+        self.pattern = Pattern(groups, self.size)
+        for block, dofs, place in zip(self.blocks, groups, self.pattern.places, strict=False):
+            block.dofs, block.place = dofs, place
+        self.groups = dict(zip(("threads", "faces", "pairs", "plane", "bones"),
+                               zip(groups[-5:], self.pattern.places[-5:], strict=True), strict=True))
+
+    def _wind(self, moving: np.ndarray) -> None:
+        w = self.case.winding
+        self.thread_length = np.linalg.norm(self.drawn[self.threads[:, 1]] - self.drawn[self.threads[:, 0]],
+                                            axis=1)
+        self.thread_stiffness = np.zeros(0)
+        self.compressive = 0.0
+        if w is not None and self.actuator:
+            turns = self.actuator.thread_span[moving] / w.pitch
+            self.thread_stiffness = w.young * np.pi / 4 * w.diameter**2 * turns
+            self.compressive = w.compressive
+        self.tension = np.zeros(len(self.threads))
+
+    # Equilibrium
+
+    def assemble(self, q: np.ndarray, load: Load, *, exact: bool):
+        """(energy, force, matrix values, least J): energy mJ, force N internal less external.
+
+        `exact`: with the stresses of this very state in the geometric stiffness, not the extrapolated ones.
+        """
+        x = self.positions(q)
+        force, matrix = np.zeros(self.size), np.zeros(self.pattern.entries)
+        frames, curves = self._frames(q)
+        energy, least = 0.0, np.inf
+        for b in self.blocks:
+            part, low = element.assemble(
+                x, b.cells, b.dn, b.weight, b.form, b.constants, b.bulk, b.mean, b.stress, b.pressure, exact,
+                b.dofs, b.place, frames, curves, b.framed, force, matrix)
+            energy, least = energy + part, min(least, low)
+            if low <= 0.0:
+                return np.inf, force, matrix, low
+        if len(self.threads):
+            energy += fibre.add_threads(
+                x, self.threads, self.thread_length, self.thread_stiffness, self.compressive, self.tension,
+                exact, *self.groups["threads"], force, matrix)
+        if len(self.pair_nodes):
+            energy += contact.add_contact(
+                x, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas, self.actuator.swell,
+                self._pieces, *self._bone_arrays, self.bone_states(q), self.case.contact.friction, self.anchors,
+                self.normal, self.rubbing, self.pressed, exact, self.grip, *self.groups["pairs"], force, matrix)
+        if len(self.plane_points):
+            level = -self.case.finger.outer(0.0) - self.case.obstacle
+            part, self.pushed = contact.add_plane(
+                self.plane_points, self.plane_bodies, self.plane_areas, level, *self._bone_arrays[2:],
+                self.bone_states(q), *self.groups["plane"], force, matrix)
+            energy += part
+        energy += self._act(x, q, load, force, matrix)
+        return energy, force, matrix, least
+
+    @property
+    def _pieces(self) -> np.ndarray:
+        return np.array([(p.x0, p.x1, p.y0, p.y1, p.m0, p.m1) for p in self.case.finger.bore.pieces])
+
+    @property
+    def _bone_arrays(self):
+        b = self.bones
+        low, high = b.start.copy(), b.end.copy()
+        low[0] = -np.inf
+        high[-1] = b.end[-1]
+        return low, high, b.pivot, b.origin, b.angle
+
+    def _act(self, x: np.ndarray, q: np.ndarray, load: Load, force: np.ndarray, matrix: np.ndarray) -> float:
+        """Add what the loads do: pressure, own weight, a weight that hangs on the tip."""
+        energy = 0.0
+        if load.pressure and len(self.faces):
+            energy += cavity.add_pressure(x, self.faces, load.pressure, *self.groups["faces"], force, matrix)
+        if load.weight and self.gravity.any():
+            pull = load.weight * self.masses[:, None] * self.gravity
+            energy -= (pull * x).sum()
+            free = self.node_dofs >= 0
+            np.subtract.at(force, self.node_dofs[free], pull[free])
+            for b in range(len(self.bones.start) if self.bones is not None else 0):
+                energy += self._pull(b, self._centres(b), load.weight * self.gravity, q, force, matrix)
+        if load.tip and self.bones is not None:
+            along = self.gravity / np.linalg.norm(self.gravity) if self.gravity.any() else np.array([0, 0, -1.0])
+            b = len(self.bones.start) - 1
+            point = np.array([[self.case.finger.length, 0.0, 0.0]]), np.array([0.5])
+            energy += self._pull(b, point, load.tip * along, q, force, matrix)
+        return energy
+
+    def _centres(self, b: int):
+        """(straight points, masses) of bone b: its rigid part and its nodes in deformable elements."""
+        mine = (self.body == b) & (self.masses > 0)
+        e = self.exoskeleton
+        points = np.vstack([self.straight[mine], e.mass_points[b:b + 1]])
+        return points, np.append(self.masses[mine], e.volumes[b] * self.case.tpu.density)
+
+    def _pull(self, b: int, points, acceleration: np.ndarray, q: np.ndarray, force, matrix) -> float:
+        """Add a dead force, `acceleration` times masses, on straight points that bone `b` carries."""
+        places, masses = points
+        states = self.bone_states(q)
+        at = self.bones.carried(b, places, states)
+        energy = -(masses[:, None] * acceleration * at).sum()
+        dofs = self.body_dofs[b]
+        if dofs[0] < 0:
+            return energy
+        a = self.bones.angle[b] + states[b, 2]
+        c, s = np.cos(a), np.sin(a)
+        u, w = places[:, 0] - self.bones.pivot[b], places[:, 2]
+        gx, gz = acceleration[0], acceleration[2]
+        total = masses.sum()
+        force[dofs] -= (total * gx, total * gz,
+                        (masses * (gx * (-s * u + c * w) + gz * (-c * u - s * w))).sum())
+        matrix[self.pattern.diagonal[dofs[2]]] -= (
+            masses * (gx * (-c * u - s * w) + gz * (s * u - c * w))).sum()
+        return energy
+
+    def extrapolate(self, q: np.ndarray, step: np.ndarray) -> None:
+        """Set the stresses that Newton extrapolates to those after `step` from `q`, to first order."""
+        x = self.positions(q)
+        slopes, _ = self._frames(q)
+        moved = np.einsum("nij,nj->ni", slopes, np.where(self.dofs >= 0, step[self.dofs], 0.0))
+        for b in self.blocks:
+            element.extrapolate(x, moved, b.cells, b.dn, b.weight, b.form, b.constants, b.bulk, b.mean, b.stress,
+                                b.pressure)
+        if len(self.threads):
+            fibre.extrapolate_threads(x, moved, self.threads, self.thread_length, self.thread_stiffness,
+                                      self.compressive, self.tension)
+        if len(self.pair_nodes):
+            turned = np.where(self.body_dofs >= 0, step[self.body_dofs], 0.0)
+            contact.extrapolate_contact(
+                x, moved, turned, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
+                self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q), self.pressed)
+
+    def accept(self, q: np.ndarray) -> None:
+        """Friction's bonds follow an accepted state."""
+        if len(self.pair_nodes) and self.case.contact.friction > 0:
+            contact.drag(self.positions(q), self.pair_nodes, self.pair_bodies, self.pair_kinds, self.normal,
+                         *self._bone_arrays[2:], self.bone_states(q), self.anchors)
