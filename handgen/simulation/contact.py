@@ -21,7 +21,7 @@ from handgen.simulation.element import scatter
 
 PENALTY = 1.0
 """N/mm3: at 100 kPa a wall sinks in by 0.025 mm."""
-SOFT = 0.04
+SOFT = 0.1
 """mm; half the width of the rounded onset."""
 RIM = 3.0
 """mm; radius over which a bore opens towards a slot."""

@@ -20,7 +20,7 @@ def state(system: System, point: Point, note: str = "") -> State:
     for name, mesh, first in (("actuator", system.actuator, 0), ("exoskeleton", system.exoskeleton, system.first)):
         if mesh is not None:
             positions[name] = x[first:first + len(mesh.grid.nodes)].copy()
-            stretch[name] = _stretch(mesh.grid.nodes, mesh.grid.cells, positions[name])
+            stretch[name] = _stretch(system.drawn[first:first + len(mesh.grid.nodes)], mesh.grid.cells, positions[name])
     load = point.load
     force = None
     if system.case.obstacle is not None:

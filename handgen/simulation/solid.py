@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from handgen.simulation.case import Case, Curve, Grid, State
+from handgen.simulation.case import Case, Curve, State
 
 
 def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:
@@ -46,9 +46,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
                 continue
             stopped = f"no stable state was found beyond {_amount(case, point.load)}"
         states.append(State(target.pressure, target.tip, False, note=stopped))
-    grids = {name: Grid(mesh.grid.nodes, mesh.grid.cells) for name, mesh in
-             (("actuator", system.actuator), ("exoskeleton", system.exoskeleton)) if mesh is not None}
-    return Curve(tuple(states), grids, reached, tuple(solver.folds), system.size, solver.cost.factorisations,
+    return Curve(tuple(states), system.grids, reached, tuple(solver.folds), system.size, solver.cost.factorisations,
                  time.perf_counter() - begun, stopped)
 
 

@@ -81,13 +81,10 @@ class Solver:
     # Steps
 
     def begin(self) -> Point | None:
-        """The unloaded state; an actuator pushed into a curled finger must first find its balance."""
-        q = self.system.start.copy()
-        self.system.extrapolate(q, np.zeros_like(q))
-        point = self._relaxed(q, Load()) if q.any() else Point(Load(), q, 0.0)
+        """The unloaded state, which is in balance as drawn."""
+        s, point = self.system, Point(Load(), np.zeros(self.system.size), 0.0)
+        s.extrapolate(point.q, np.zeros_like(point.q))
         # Surfaces that just touch would let the first predictor pass through them: half of it they hold.
-        s = self.system
-        s.extrapolate(q, np.zeros_like(q))
         s.grip = SOFT
         _, _, values, _ = s.assemble(point.q, point.load, exact=False)
         s.grip = 0.0

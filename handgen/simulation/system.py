@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from handgen.geometry.finger import Axis
 from handgen.materials.law import Law
 from handgen.simulation import cavity, contact, element, fibre, shapes
 from handgen.simulation.case import Case, Grid, Substance
@@ -96,9 +97,22 @@ class System:
 
     # Nodes and unknowns
 
+    @property
+    def grids(self) -> dict[str, Grid]:
+        """Meshes as drawn. In a finger with a rest curl the actuator, cast straight, lies curled too: free of
+        stress, as silicone that has been kept so (stiffer than the strips, it would else undo the curl)."""
+        found = {}
+        if self.actuator:
+            nodes = self.actuator.grid.nodes
+            if self.exoskeleton:
+                nodes = Axis(self.case.finger, self.case.fillet).carry(nodes)
+            found["actuator"] = Grid(nodes, self.actuator.grid.cells)
+        if self.exoskeleton:
+            found["exoskeleton"] = self.exoskeleton.grid
+        return found
+
     def _number(self) -> None:
-        meshes = [m for m in (self.actuator, self.exoskeleton) if m is not None]
-        self.drawn = np.vstack([m.grid.nodes for m in meshes])
+        self.drawn = np.vstack([grid.nodes for grid in self.grids.values()])
         self.body = np.full(len(self.drawn), NEVER)
         held = np.zeros(len(self.drawn), bool)
         self.bones = None
@@ -126,20 +140,6 @@ class System:
         self.straight = np.zeros((len(self.drawn), 3))
         if self.exoskeleton:
             self.straight[self.first:] = self.exoskeleton.straight
-        self.start = self._start()
-
-    def _start(self) -> np.ndarray:
-        """First guess: an actuator, cast straight, is pushed into a finger with a rest curl."""
-        q = np.zeros(self.size)
-        if self.actuator and self.exoskeleton and np.any(self.bones.angle):
-            from handgen.geometry.finger import Axis
-
-            drawn = self.actuator.grid.nodes
-            axis = Axis(self.case.finger, self.case.fillet)
-            moved = axis.carry(drawn) - drawn
-            at = self.node_dofs[:self.first]
-            q[at[at >= 0]] = moved[at >= 0]
-        return q
 
     def bone_states(self, q: np.ndarray) -> np.ndarray:
         """(b, 3) dx, dz, flexion of every bone."""
@@ -178,13 +178,13 @@ class System:
     def _blocks(self) -> list[Block]:
         found = []
         if self.actuator:
-            found.append(self._block(self.actuator.grid, 0, self.case.silicone, mean=True))
+            found.append(self._block(self.actuator.grid.cells, 0, self.case.silicone, mean=True))
         if self.exoskeleton:
-            found.append(self._block(self.exoskeleton.grid, self.first, self.case.tpu, mean=False))
+            found.append(self._block(self.exoskeleton.grid.cells, self.first, self.case.tpu, mean=False))
         return found
 
-    def _block(self, grid: Grid, first: int, substance: Substance, *, mean: bool) -> Block:
-        cells = grid.cells + first
+    def _block(self, cells: np.ndarray, first: int, substance: Substance, *, mean: bool) -> Block:
+        cells = cells + first
         cells = cells[(self.dofs[cells] >= 0).any(axis=(1, 2))]
         rigid = (self.body[cells] == self.body[cells][:, :1]).all(axis=1) & (self.body[cells[:, 0]] != NEVER)
         cells = np.ascontiguousarray(cells[~rigid])
