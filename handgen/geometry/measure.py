@@ -65,7 +65,7 @@ def measure(corners: np.ndarray) -> Facts:
 
 def measure_mesh(vertices: np.ndarray, faces: np.ndarray) -> Facts:
     """Facts about the triangles `faces` (n, 3) of `vertices` (m, 3), mm; equal vertices are one."""
-    points, number = vertices.astype(float), _weld(vertices)
+    points, number = vertices.astype(float), weld(vertices)
     welded = number[faces]
     a, b, c = points[faces].transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
@@ -87,8 +87,8 @@ def measure_mesh(vertices: np.ndarray, faces: np.ndarray) -> Facts:
     )
 
 
-def _weld(points: np.ndarray) -> np.ndarray:
-    """The number of each of `points` (n, 3); equal coordinates are one vertex."""
+def weld(points: np.ndarray) -> np.ndarray:
+    """The number of each of `points` (n, 3), counted from 0; equal coordinates are one vertex."""
     code = np.zeros(len(points), np.int64)
     for axis in range(3):
         values, rank = np.unique(points[:, axis], return_inverse=True)
@@ -100,7 +100,7 @@ def _weld(points: np.ndarray) -> np.ndarray:
 
 def fault_place(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, float, float] | None:
     """Where a mesh is at fault: amid its open edges, else on its smallest body, else a flat triangle."""
-    points, number = vertices.astype(float), _weld(vertices)
+    points, number = vertices.astype(float), weld(vertices)
     welded = number[faces]
     one, two = _partners(welded, int(number.max()) + 1)
     alone = np.setdiff1d(np.arange(faces.size), np.concatenate([one, two]))

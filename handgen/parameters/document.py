@@ -7,6 +7,8 @@ and `no` are texts, `010` is ten, `1e-3` is a number).
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 from dataclasses import dataclass, field
@@ -14,7 +16,8 @@ from pathlib import Path as FilePath
 
 import yaml
 
-from handgen.parameters.fault import Fault, Path, nearest
+from handgen.errors import Problem
+from handgen.parameters.fault import Fault, Path, nearest, text
 
 MAXIMUM_SIZE = 1_000_000
 """Bytes; adult.yaml has 6 thousand."""
@@ -52,6 +55,20 @@ class Document:
     data: dict | None = None
     lines: dict[Path, int] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
+
+    def line(self, fault: Fault) -> int | None:
+        """Line of `fault`, or of the longest part of its path that the file has; None: the file as a whole."""
+        path = fault.path
+        known = (self.lines[path[:i]] for i in range(len(path), 0, -1) if path[:i] in self.lines)
+        return fault.line or next(known, None)
+
+    def problem(self, fault: Fault) -> Problem:
+        """`fault` as it is reported, with its file and line."""
+        line = self.line(fault)
+        message = f"line {line}: {fault.message}" if line else fault.message
+        return Problem(
+            self.file, text(fault.path), _short(fault.value), message, fault.allowed, fault.suggestion
+        )
 
 
 def read(file: str) -> Document:
@@ -102,6 +119,17 @@ def _bytes(file: str) -> bytes:
             allowed=f"at most {MAXIMUM_SIZE} bytes",
         )
     return content
+
+
+def _short(value: object) -> object:
+    """A value as it can stand in a message and in strict JSON."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, (dict, list)):
+        value = json.dumps(value, default=str)
+    if isinstance(value, str) and len(value) > 120:
+        return value[:117] + "..."
+    return value
 
 
 def _neighbour(folder: FilePath, wanted: FilePath) -> str | None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -19,7 +18,7 @@ from pydantic import ValidationError
 from handgen.errors import InputError, Problem
 from handgen.parameters import assumptions, document, explain, relations
 from handgen.parameters.document import Document
-from handgen.parameters.fault import Fault, Path, text
+from handgen.parameters.fault import Fault, Path
 from handgen.parameters.model import SCHEMA, Hand
 
 LONGEST_CHAIN = 16
@@ -170,12 +169,8 @@ class _Chain:
         return best
 
     def add(self, fault: Fault, here: Document) -> None:
-        line = fault.line or _line(here, fault.path)
-        message = f"line {line}: {fault.message}" if line else fault.message
-        problem = Problem(
-            here.file, text(fault.path), _short(fault.value), message, fault.allowed, fault.suggestion
-        )
-        self.problems.append(((self.documents.index(here), line or 0), problem))
+        order = self.documents.index(here), here.line(fault) or 0
+        self.problems.append((order, here.problem(fault)))
 
     def ordered(self) -> list[Problem]:
         return [problem for _, problem in sorted(self.problems, key=lambda pair: pair[0])]
@@ -194,22 +189,6 @@ def _reach(data: Any, path: Path) -> tuple[int, bool]:
         here = here[key]
         final = final or not isinstance(here, dict)
     return len(path), True
-
-
-def _line(here: Document, path: Path) -> int | None:
-    """Line of the longest part of `path` that the file has; None for the file as a whole."""
-    return next((here.lines[path[:i]] for i in range(len(path), 0, -1) if path[:i] in here.lines), None)
-
-
-def _short(value: Any) -> Any:
-    """A value as it can stand in a message and in strict JSON."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    if isinstance(value, (dict, list)):
-        value = json.dumps(value, default=str)
-    if isinstance(value, str) and len(value) > 120:
-        return value[:117] + "..."
-    return value
 
 
 def _hash(hand: Hand) -> str:

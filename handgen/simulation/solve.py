@@ -27,6 +27,8 @@ LEAST_FORCE = 1e-3
 ITERATIONS = 12
 HOPELESS = 1e9
 """A residual beyond which Newton does not come back."""
+TURN = 0.15
+"""rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES = 4
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
 STEPS = Load(0.5, 0.005, 0.06)
@@ -181,6 +183,9 @@ class Solver:
                 if drag is not None or self.matrix.indefinite(values) > NEGATIVES:
                     return None
             step = -self.matrix.solve(force)
+            turn = np.abs(step[s.turns]).max(initial=0.0)
+            if turn > TURN:
+                step *= TURN / turn
             s.extrapolate(q, step)
             q = q + step
         return None

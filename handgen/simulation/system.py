@@ -134,6 +134,7 @@ class System:
         if count:
             self.body_dofs[1:] = self.size + np.arange(3 * (count - 1)).reshape(-1, 3)
             self.size += 3 * (count - 1)
+        self.turns = self.body_dofs[1:, 2]
         carried = self.body != NEVER
         self.dofs = self.node_dofs.copy()
         self.dofs[carried] = self.body_dofs[self.body[carried]]
