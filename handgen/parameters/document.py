@@ -77,7 +77,7 @@ def read(file: str) -> Document:
     try:
         content = _bytes(file)
         if not content.strip():
-            raise _RefusedError("the file is empty", allowed="a mapping with `schema: handgen.hand/1`")
+            raise _RefusedError("the file is empty", allowed="a mapping that begins with `schema:`")
         _Builder(document).build(content.decode("utf-8-sig"))
         if not isinstance(document.data, dict):
             document.data = None
