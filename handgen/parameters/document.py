@@ -57,7 +57,7 @@ class Document:
     faults: list[Fault] = field(default_factory=list)
 
     def line(self, fault: Fault) -> int | None:
-        """Line of `fault`, or of the longest part of its path that the file has; None: the file as a whole."""
+        """Line of `fault`, or of the longest part of its path that the file has; None: the whole file."""
         path = fault.path
         known = (self.lines[path[:i]] for i in range(len(path), 0, -1) if path[:i] in self.lines)
         return fault.line or next(known, None)

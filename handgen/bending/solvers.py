@@ -1,0 +1,93 @@
+"""Solvers by name: those of handgen, and those that other packages hang in (entry points)."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+
+from handgen.errors import EngineError
+from handgen.simulation.case import Case, Curve
+
+GROUP = "handgen.solvers"
+"""Entry points of this group are solvers: `simulate(case, progress=None) -> Curve`."""
+OWN = {
+    "solid": "handgen.simulation.solid",
+    "reference": "handgen.simulation.reference",
+}
+"""Modules of handgen whose `simulate` is a solver; loaded when used."""
+SOURCES = ("simulation", "materials", "geometry/profile.py", "geometry/finger.py", "parameters/derive.py")
+"""What the own solvers' results depend on, in the package."""
+
+Simulate = Callable[[Case, Callable[[str], None] | None], Curve]
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver that can be called; equal `version`s of one name give equal results."""
+
+    name: str
+    simulate: Simulate
+    version: str
+
+
+def registered() -> dict[str, EntryPoint]:
+    """Solvers of other packages by name.
+
+    Raises:
+        EngineError: two packages register the same name, or one that handgen has.
+    """
+    found: dict[str, EntryPoint] = {}
+    for point in entry_points(group=GROUP):
+        if point.name in OWN or point.name in found:
+            raise EngineError(f"the solver {point.name!r} is registered twice, once by {point.value}")
+        found[point.name] = point
+    return found
+
+
+def names() -> list[str]:
+    """All solvers, handgen's own first."""
+    return [*OWN, *sorted(registered())]
+
+
+def solver(name: str) -> Solver:
+    """The solver `name`, loaded.
+
+    Raises:
+        EngineError: it cannot be loaded, e.g. because a package that it needs is missing.
+        KeyError: there is none of this name.
+    """
+    try:
+        if name in OWN:
+            return Solver(name, import_module(OWN[name]).simulate, _own_version())
+        point = registered()[name]
+        return Solver(name, point.load(), _version(point))
+    except (ImportError, AttributeError) as error:
+        raise EngineError(f"the solver {name!r} cannot be loaded: {error}") from error
+
+
+def _version(point: EntryPoint) -> str:
+    """Package, version and the file that defines the solver: one that is being worked on is another one."""
+    package = f"{point.dist.name} {point.dist.version}" if point.dist else ""
+    try:
+        file = Path(inspect.getsourcefile(inspect.unwrap(point.load())) or "")
+        source = hashlib.sha256(file.read_bytes()).hexdigest()
+    except (OSError, TypeError):
+        source = ""
+    return f"{point.value} {package} {source}"
+
+
+@cache
+def _own_version() -> str:
+    """Hash of the sources that the own solvers' results depend on."""
+    root, total = Path(__file__).parents[1], hashlib.sha256()
+    for name in SOURCES:
+        path = root / name
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            total.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
+    return total.hexdigest()
