@@ -18,14 +18,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn, TextIO
 
-from handgen import __version__
+from handgen import __version__, tables
 from handgen.errors import EngineError, GeometryError, InputError, Problem
 
 PASSED, FAILED, BAD_INPUT, ENGINE, INTERNAL, INTERRUPTED, PIPE_CLOSED = 0, 1, 2, 3, 70, 130, 141
 COMMAND_LINE = "command line"
-COLOURS = {"error": "31", "fail": "31", "warning": "33", "overridden": "33", "pass": "32", "skipped": "2",
-           "info": "2"}
-"""ANSI styles of severities and statuses."""
 USERS_ERRORS = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST,
                 errno.ENOENT, errno.ENAMETOOLONG, errno.EINVAL, errno.ELOOP}
 """System errors that another path would mend; a full disk is none of them."""
@@ -85,24 +82,8 @@ def _build(arguments: argparse.Namespace, output: Output) -> int:
 
     result = build(arguments.params, out=arguments.out, parts=arguments.parts, verify=arguments.verify,
                    progress=output.note, workers=arguments.workers)
-    output.result(result, _verdict(result, output))
+    output.result(result, tables.built(result, output.style))
     return PASSED if result["passed"] else FAILED
-
-
-def _verdict(result: dict[str, Any], output: Output) -> str:
-    """What a maker wants to know: what is wrong and how to mend it, and where the files are."""
-    lines = [_broken(f, output) for f in result["checks"]["findings"] if f["severity"] == "error"]
-    verdict = output.style("passes", "32") if result["passed"] else output.style("fails", "31")
-    files = f"see {result['out']}" if result["manifest"] else "nothing printable was written"
-    return "\n".join([*lines, f"{result['name']} {verdict}; {files}"])
-
-
-def _broken(finding: dict[str, Any], output: Output) -> str:
-    """A finding in two lines: what and where, and what mends it."""
-    where = finding["where"]
-    place = "" if where is None else " at ({:.1f}, {:.1f}, {:.1f})".format(*where)
-    head = output.style(f"{finding['severity']} {finding['rule']}", COLOURS[finding["severity"]])
-    return f"{head} {finding['part']}{place}: {finding['message']}\n    mend: {finding['fix']}"
 
 
 # check
@@ -118,26 +99,27 @@ def _check(arguments: argparse.Namespace, output: Output) -> int:
     from handgen.builder import check
 
     result = check(arguments.params, out=arguments.out, progress=output.note, workers=arguments.workers)
-    output.result(result["checks"], _check_table(result, output))
+    output.result(result["checks"], tables.checked(result, output.style))
     return PASSED if result["passed"] else FAILED
 
 
-def _check_table(result: dict[str, Any], output: Output) -> str:
-    """A line a rule, then every finding above `info`, the worst first."""
-    report = result["checks"]
-    lines = [f"{'rule':<22}{'status':<12}{'measured':>10}{'limit':>10}  {'unit':<7}what was judged"]
-    for row in report["rules"]:
-        status = output.style(f"{row['status']:<12}", COLOURS[row["status"]])
-        lines.append(f"{row['rule']:<22}{status}{_figure(row['measured']):>10}{_figure(row['limit']):>10}"
-                     f"  {row['unit']:<7}{row['reason']}")
-    told = [f for severity in ("error", "warning") for f in report["findings"] if f["severity"] == severity]
-    lines += ["", *(_broken(f, output) for f in told)] if told else []
-    verdict = output.style("passes", "32") if result["passed"] else output.style("fails", "31")
-    return "\n".join([*lines, "", f"{result['name']} {verdict}; pictures and checks.json: {result['out']}"])
+# measure
 
 
-def _figure(value: float | None) -> str:
-    return "" if value is None else f"{value:.4g}"
+def _measure_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("stl", metavar="STL", help="any STL file, in mm")
+
+
+def _measure(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.checks.mesh_report import measure_stl
+
+    report = measure_stl(arguments.stl)
+    if arguments.out is not None:
+        os.makedirs(arguments.out, exist_ok=True)
+        with open(os.path.join(arguments.out, "measure.json"), "w", encoding="utf-8") as file:
+            file.write(json.dumps(report, indent=2, allow_nan=False) + "\n")
+    output.result(report, tables.measured(report, output.style))
+    return PASSED if report["passed"] else FAILED
 
 
 # schema
@@ -165,6 +147,7 @@ def _schema(arguments: argparse.Namespace, output: Output) -> int:
 VERBS = {
     "check": Verb("run every design rule and say what will fail", _check_arguments, _check),
     "build": Verb("make the printable, castable parts of a parameter file", _build_arguments, _build),
+    "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }
 

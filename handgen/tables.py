@@ -1,0 +1,79 @@
+"""Results as tables for people: what `build`, `check` and `measure` say on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+Style = Callable[[str, str], str]
+"""(text, ANSI style) -> the text in that style, where the terminal wants it."""
+COLOURS = {"error": "31", "fail": "31", "warning": "33", "overridden": "33", "pass": "32", "skipped": "2",
+           "info": "2"}
+"""ANSI styles of severities and statuses."""
+
+
+def built(result: dict[str, Any], style: Style) -> str:
+    """What a maker wants to know: what is wrong and how to mend it, and where the files are."""
+    lines = [_broken(f, style) for f in result["checks"]["findings"] if f["severity"] == "error"]
+    verdict = style("passes", "32") if result["passed"] else style("fails", "31")
+    files = f"see {result['out']}" if result["manifest"] else "nothing printable was written"
+    return "\n".join([*lines, f"{result['name']} {verdict}; {files}"])
+
+
+def _broken(finding: dict[str, Any], style: Style) -> str:
+    """A finding in two lines: what and where, and what mends it."""
+    where = finding["where"]
+    place = "" if where is None else " at ({:.1f}, {:.1f}, {:.1f})".format(*where)
+    head = style(f"{finding['severity']} {finding['rule']}", COLOURS[finding["severity"]])
+    return f"{head} {finding['part']}{place}: {finding['message']}\n    mend: {finding['fix']}"
+
+
+def checked(result: dict[str, Any], style: Style) -> str:
+    """A line a rule, then every finding above `info`, the worst first."""
+    report = result["checks"]
+    lines = [f"{'rule':<22}{'status':<12}{'measured':>10}{'limit':>10}  {'unit':<7}what was judged"]
+    for row in report["rules"]:
+        status = style(f"{row['status']:<12}", COLOURS[row["status"]])
+        lines.append(f"{row['rule']:<22}{status}{_figure(row['measured']):>10}{_figure(row['limit']):>10}"
+                     f"  {row['unit']:<7}{row['reason']}")
+    told = [f for severity in ("error", "warning") for f in report["findings"] if f["severity"] == severity]
+    lines += ["", *(_broken(f, style) for f in told)] if told else []
+    verdict = style("passes", "32") if result["passed"] else style("fails", "31")
+    return "\n".join([*lines, "", f"{result['name']} {verdict}; pictures and checks.json: {result['out']}"])
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else f"{value:.4g}"
+
+
+def measured(report: dict[str, Any], style: Style) -> str:
+    """Size, closed or not, walls: a line each."""
+    low, high = ("({:.2f}, {:.2f}, {:.2f})".format(*corner) for corner in report["bbox_mm"])
+    shells = f"bodies {report['bodies']}, voids {report['voids']}, inside out {report['inside_out']}"
+    faults = ", ".join(f"{kind} {count}" for kind, count in report["edges"].items() if count)
+    place = "" if not faults else ", one at ({:.2f}, {:.2f}, {:.2f})".format(*report["fault_at"])
+    closed = f"no; edges: {faults}{place}" if faults else "yes" if report["watertight"] else "no"
+    lines = [
+        ("size", "{:.2f} x {:.2f} x {:.2f} mm".format(*report["size_mm"]) + f", from {low} to {high}"),
+        ("volume", "none" if report["volume_mm3"] is None else f"{report['volume_mm3']:.6g} mm3"),
+        ("area", f"{report['area_mm2']:.6g} mm2, {report['triangles']} triangles"),
+        ("watertight", closed),
+        ("shells", shells),
+        *_walls(report),
+        *(("hint", hint) for hint in report["hints"]),
+    ]
+    verdict = style("is sound", "32") if report["passed"] else style("is not sound", "31")
+    return "\n".join([*(f"{name:<12}{text}" for name, text in lines), f"{report['file']} {verdict}"])
+
+
+def _walls(report: dict[str, Any]) -> list[tuple[str, str]]:
+    """The least wall with its place, and how the walls are spread over the surface."""
+    walls = report["thickness"]
+    if walls is None:
+        return [("walls", f"not measured: {report['thickness_missing']}")]
+    least = "{:.4g} mm at ({:.2f}, {:.2f}, {:.2f})".format(walls["least_mm"], *walls["at"])
+    total = sum(row["area_mm2"] for row in walls["histogram"])
+    spread = [("", f"{row['from_mm']:>6.1f} to {row['to_mm']:<6.1f} mm {row['area_mm2'] / total:>6.1%}")
+              for row in walls["histogram"] if row["area_mm2"] > 0.0]
+    shares = ", ".join(f"{p} %: {value:.3g}" for p, value in walls["percentiles_mm"].items())
+    return [("least wall", least), ("walls, mm", shares), *spread]
