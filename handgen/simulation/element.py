@@ -212,7 +212,7 @@ def _add_pressure(h, det, pressure, a):
                     a[3 * i + j, 3 * m + n] += pressure * det * (h[i, j] * h[m, n] - h[i, n] * h[m, j])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure, exact,
              dofs, place, frames, curves, framed, force, matrix):
     """Add internal forces and tangent of all elements; returns (energy, least J).
@@ -355,7 +355,7 @@ def scatter(dofs, place, fe, ke, force, matrix):
                 matrix[where] += ke[i, j]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def extrapolate(x, step, cells, dn, weight, form, constants, bulk, mean, stress, pressure):
     """Write stress and pressure after the nodes' `step` (N, 3) from `x`, to first order."""
     count, points, nodes, _ = dn.shape

@@ -18,11 +18,13 @@ from handgen.simulation.case import Grid, Winding
 
 EDGE = 2.4
 """Length of elements along the axis, mm."""
+END_EDGE, GROWTH = 1.0, 1.5
+"""The same where the wall is held and where it meets the tip, mm, and how it grows from there."""
 AROUND = 8
 """Elements around half the circle; a multiple of four for the O-grid."""
 WALL = (1, 1)
 """Elements through the wall, inside and outside the thread."""
-TIP_EDGE = 2.0
+TIP_EDGE = 1.0
 """Length of elements along the axis in the closed tip, mm."""
 CORE = 0.5
 """Half width of the O-grid's inner square, in radii of the chamber."""
@@ -56,25 +58,36 @@ class ActuatorMesh:
     """The node in the middle of the tip's face."""
 
 
-def actuator_mesh(profile: ActuatorProfile, winding: Winding | None, refine: int) -> ActuatorMesh:
-    """Mesh of `profile`; `refine` halves the edges so many times."""
-    rings = _Rings(profile, winding, refine)
+def actuator_mesh(profile: ActuatorProfile, winding: Winding | None, held: float,
+                  refine: int) -> ActuatorMesh:
+    """Mesh of `profile`, whose base is held over `held` mm; `refine` halves the edges so many times."""
+    rings = _Rings(profile, winding, held, refine)
     return rings.mesh()
+
+
+def graded(start: float, end: float, fine: int) -> np.ndarray:
+    """Stations from `start` to `end`, closer at both ends, with `fine` elements for each of the standard."""
+    edges, half = [], (end - start) / 2
+    while sum(edges) < half:
+        edges.append(min(EDGE, END_EDGE * GROWTH ** len(edges)))
+    edges = np.array(edges) * half / sum(edges)
+    ends = np.concatenate([[0.0], np.cumsum(edges), half + np.cumsum(edges[::-1])])
+    return start + np.interp(np.arange(fine * (len(ends) - 1) + 1) / fine, np.arange(len(ends)), ends)
 
 
 class _Rings:
     """Numbering: stations along the axis, layers through the wall, places around; then the tip's core."""
 
-    def __init__(self, profile: ActuatorProfile, winding: Winding | None, refine: int):
+    def __init__(self, profile: ActuatorProfile, winding: Winding | None, held: float, refine: int):
         self.profile, self.winding = profile, winding
         fine = 2**refine
         self.around = AROUND * fine
         self.layers = sum(WALL) * fine
         chamber, tip = profile.small_core_end, profile.length - profile.small_core_end
-        along, cap = (max(1, round(n)) for n in (chamber / EDGE * fine, tip / TIP_EDGE * fine))
-        self.x = np.concatenate([np.linspace(0.0, chamber, along + 1),
-                                 np.linspace(chamber, profile.length, cap + 1)[1:]])
-        self.cap = along
+        base = np.linspace(0.0, held, max(1, round(held / EDGE)) + 1)[:-1]
+        cap = np.linspace(chamber, profile.length, max(1, round(tip / TIP_EDGE)) * fine + 1)[1:]
+        self.x = np.concatenate([base, graded(held, chamber, fine), cap])
+        self.cap = len(self.x) - 1 - len(cap)
         """Station of the chamber's end."""
         step = math.pi / self.around
         self.swell = math.sqrt(step / math.sin(step))

@@ -25,13 +25,13 @@ TOLERANCE = 1e-5
 LEAST_FORCE = 1e-3
 """N; what an acting force counts at least."""
 ITERATIONS = 12
-HOPELESS = 1e9
-"""A residual beyond which Newton does not come back."""
+HOPELESS, LATE = 1e9, 8
+"""A residual beyond which Newton does not come back; from iteration LATE on it must be below 1."""
 TURN = 0.15
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES = 4
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
-STEPS = Load(0.5, 0.005, 0.06)
+STEPS = Load(0.1, 0.004, 0.06)
 """First steps: share of own weight, MPa, N."""
 LONGEST = Load(0.5, 0.010, 0.20)
 SHORTEST = Load(0.01, 0.0002, 0.002)
@@ -153,17 +153,21 @@ class Solver:
         s.rubbing[:] = s.pressed
         found = self._newton(q + step, load)
         if found is not None:
-            reached = Point(load, found[0], found[1])
-            if self._stable(reached):
-                s.accept(reached.q)
+            new, residual, iterations, values = found
+            if self._factorise(values):
+                s.accept(new)
                 self._slope = (slope, size, direction)
-                return reached, found[2]
+                return Point(load, new, residual), iterations
         self._slope = None
         return None
 
     def _newton(self, q: np.ndarray, load: Load, drag: np.ndarray | None = None,
-                centre: np.ndarray | None = None) -> tuple[np.ndarray, float, int] | None:
-        """(q in balance, residual, iterations) from `q`, or None; `drag` (n,) N/mm pulls to `centre`."""
+                centre: np.ndarray | None = None) -> tuple[np.ndarray, float, int, np.ndarray] | None:
+        """(q in balance, residual, iterations, tangent) from `q`, or None; `drag` (n,) N/mm pulls to `centre`.
+
+        In balance the extrapolated stresses are the state's own to first order in what is left of the
+        residual, so the last tangent serves the test of stability and the next predictor.
+        """
         s = self.system
         for iteration in range(ITERATIONS + 1):
             _, force, values, least = s.assemble(q, load, exact=False)
@@ -175,8 +179,8 @@ class Solver:
                 values[s.pattern.diagonal] += drag
             residual = float(np.abs(force).max() / self._acting(load))
             if residual < TOLERANCE:
-                return q, residual, iteration
-            if iteration == ITERATIONS or residual > HOPELESS:
+                return q, residual, iteration, values
+            if iteration == ITERATIONS or residual > (HOPELESS if iteration < LATE else 1.0):
                 return None
             if not self._factorise(values):
                 self.cost.indefinite += 1

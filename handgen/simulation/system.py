@@ -7,6 +7,7 @@ tangent is symmetric, and positive definite where the state is stable.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -80,12 +81,14 @@ class Block:
 class System:
     """`case` discretised. Nodes of the actuator come first, then those of the exoskeleton."""
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, threads: int = 1):
         self.case = case
+        self.threads_count = threads
+        self.pool = ThreadPoolExecutor(threads) if threads > 1 else None
         self.actuator: ActuatorMesh | None = None
         self.exoskeleton: ExoskeletonMesh | None = None
         if case.part != "exoskeleton":
-            self.actuator = actuator_mesh(case.actuator, case.winding, case.refine)
+            self.actuator = actuator_mesh(case.actuator, case.winding, case.held, case.refine)
         if case.part != "actuator":
             self.exoskeleton = exoskeleton_mesh(case.finger, case.fillet, case.refine)
         self.first = len(self.actuator.grid.nodes) if self.actuator else 0
@@ -317,16 +320,10 @@ class System:
         `exact`: with the stresses of this very state in the geometric stiffness, not the extrapolated ones.
         """
         x = self.positions(q)
-        force, matrix = np.zeros(self.size), np.zeros(self.pattern.entries)
         frames, curves = self._frames(q)
-        energy, least = 0.0, np.inf
-        for b in self.blocks:
-            part, low = element.assemble(
-                x, b.cells, b.dn, b.weight, b.form, b.constants, b.bulk, b.mean, b.stress, b.pressure, exact,
-                b.dofs, b.place, frames, curves, b.framed, force, matrix)
-            energy, least = energy + part, min(least, low)
-            if low <= 0.0:
-                return np.inf, force, matrix, low
+        energy, force, matrix, least = self._deform(x, frames, curves, exact)
+        if least <= 0.0:
+            return np.inf, force, matrix, least
         if len(self.threads):
             energy += fibre.add_threads(
                 x, self.threads, self.thread_length, self.thread_stiffness, self.compressive, self.tension,
@@ -344,6 +341,36 @@ class System:
             energy += part
         energy += self._act(x, q, load, force, matrix)
         return energy, force, matrix, least
+
+    def _deform(self, x, frames, curves, exact: bool):
+        """(energy, force, matrix, least J) of the elements, in as many threads as there are."""
+
+        def share(number: int):
+            force, matrix = np.zeros(self.size), np.zeros(self.pattern.entries)
+            energy, least = 0.0, np.inf
+            for b in self.blocks:
+                at = self._part(number, len(b.cells))
+                part, low = element.assemble(
+                    x, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk, b.mean, b.stress[at],
+                    b.pressure[at], exact, b.dofs[at], b.place[at], frames, curves, b.framed[at], force, matrix)
+                energy, least = energy + part, min(least, low)
+            return energy, force, matrix, least
+
+        first, *others = self._shared(share)
+        for other in others:
+            first[1].__iadd__(other[1])
+            first[2].__iadd__(other[2])
+        parts = [first, *others]
+        return sum(p[0] for p in parts), first[1], first[2], min(p[3] for p in parts)
+
+    def _part(self, number: int, count: int) -> slice:
+        """What of `count` elements is the thread `number`'s."""
+        return slice(count * number // self.threads_count, count * (number + 1) // self.threads_count)
+
+    def _shared(self, work):
+        """`work(number)` of every thread."""
+        numbers = range(self.threads_count)
+        return list(self.pool.map(work, numbers)) if self.pool else [work(0)]
 
     @property
     def _pieces(self) -> np.ndarray:
@@ -408,9 +435,14 @@ class System:
         x = self.positions(q)
         slopes, _ = self._frames(q)
         moved = np.einsum("nij,nj->ni", slopes, np.where(self.dofs >= 0, step[self.dofs], 0.0))
-        for b in self.blocks:
-            element.extrapolate(x, moved, b.cells, b.dn, b.weight, b.form, b.constants, b.bulk, b.mean, b.stress,
-                                b.pressure)
+
+        def share(number: int):
+            for b in self.blocks:
+                at = self._part(number, len(b.cells))
+                element.extrapolate(x, moved, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk,
+                                    b.mean, b.stress[at], b.pressure[at])
+
+        self._shared(share)
         if len(self.threads):
             fibre.extrapolate_threads(x, moved, self.threads, self.thread_length, self.thread_stiffness,
                                       self.compressive, self.tension)

@@ -65,7 +65,8 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
 
 
 def _line(found: State) -> str:
-    return f"{1e3 * found.pressure:.0f} kPa, {found.tip_load:.2f} N: tip {found.tip_drop:.1f} mm below the palm"
+    load = f"{1e3 * found.pressure:.0f} kPa, {found.tip_load:.2f} N"
+    return f"{load}: tip {found.tip_drop:.1f} mm below the palm"
 
 
 def _amount(now: np.ndarray) -> str:

@@ -24,17 +24,15 @@ class Drawing:
 
 
 def mesh_of(bodies: list[Drawing]):
-    """(NGSolve mesh, numbers of each body's first and last vertex + 1); a body is the domain of its name."""
+    """The bodies as one NGSolve mesh, each the domain of its name; they share no node."""
     import ngsolve as ng
     from netgen.meshing import Element2D, Element3D, FaceDescriptor, Mesh, MeshPoint, Pnt
 
-    mesh, ranges, names = Mesh(), [], []
+    mesh, names = Mesh(), []
     for material, body in enumerate(bodies, start=1):
         mesh.SetMaterial(material, body.name)
         used = np.unique(np.concatenate([np.ravel(solid) for solid in body.solids]))
         number = {int(n): mesh.Add(MeshPoint(Pnt(*body.nodes[n]))) for n in used}
-        first = ranges[-1][1] if ranges else 0
-        ranges.append((first, first + len(used)))
         for solid in body.solids:
             mesh.Add(Element3D(material, [number[n] for n in solid]))
         for name, faces in body.faces.items():
@@ -45,4 +43,4 @@ def mesh_of(bodies: list[Drawing]):
                 mesh.Add(Element2D(index, [number[n] for n in face]))
     for index, name in enumerate(names):
         mesh.SetBCName(index, name)
-    return ng.Mesh(mesh), ranges
+    return ng.Mesh(mesh)

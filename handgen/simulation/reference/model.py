@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from handgen.simulation.case import Case
-from handgen.simulation.reference import physics, tube
+from handgen.geometry.finger import Axis
+from handgen.simulation.case import Case, Substance
+from handgen.simulation.reference import physics, slotted, tube
 from handgen.simulation.reference.curved import Quadratic
 from handgen.simulation.reference.drawing import MIDDLE, mesh_of
 
-
-@dataclass(frozen=True)
-class Placement:
-    """Where the nodes of the straight-edged mesh lie, each (n, 3) mm."""
-
-    straight: np.ndarray
-    """In the straight finger."""
-    drawn: np.ndarray
-    """In the finger as it is made, its rest angles drawn in."""
+HUNG = 3.0
+"""Length of the tip, mm, whose elements share the hanging weight."""
 
 
 class Model:
@@ -29,42 +24,94 @@ class Model:
         import ngsolve as ng
 
         self.case = case
-        division = tube.Division().finer(case.refine)
-        self.mesh, _ = mesh_of([tube.drawing(case.actuator, case.held, division)])
-        self.nodes = Quadratic(self.mesh)
-        depth = case.winding.depth if case.winding else 0.0
-        at = tube.placed(case.actuator, depth, division.around, self.nodes.points)
-        self.placement = Placement(at, at)
-        self._straight = self.nodes.field(self.placement.straight)
-        self.mesh.SetDeformation(self.nodes.field(self.placement.drawn - self.nodes.points))
+        self.axis = Axis(case.finger, case.fillet) if case.part != "actuator" else None
+        self.mesh, self.nodes, self.straight = self._mesh()
+        self.drawn = self.straight if self.axis is None else self.axis.carry(self.straight)
+        """(n, 3) places of `nodes.points` in the finger as it is made, mm; `straight`: with no rest angle."""
+        along = self.nodes.field(self.straight)
+        self.mesh.SetDeformation(self.nodes.field(self.drawn - self.nodes.points))
         self.loads = tuple(ng.Parameter(0.0) for _ in range(3))
-        moved = ng.VectorH1(self.mesh, order=2, dirichlet=tube.HELD, dirichlety=f"{tube.HELD}|{MIDDLE}")
+        held = "|".join(name for name in (tube.HELD, slotted.ROOT) if name in self.mesh.GetBoundaries())
+        moved = ng.VectorH1(self.mesh, order=2, dirichlet=held, dirichlety=f"{held}|{MIDDLE}")
         self.space = moved * ng.L2(self.mesh, order=0) * ng.VectorL2(self.mesh, order=0)
-        self.form = self._energy()
+        self.form = ng.BilinearForm(self.space, symmetric=True, condense=True)
+        for name, substance in ((tube.NAME, case.silicone), (slotted.NAME, case.tpu)):
+            if name in self.mesh.GetMaterials():
+                self._fill(name, substance)
+        if self.axis is not None:
+            self._hang()
+        if case.part != "exoskeleton":
+            self._blow(along)
 
-    def _energy(self):
+    def _mesh(self):
+        """(mesh, its quadratic functions, (n, 3) their nodes in the straight finger)."""
+        case, bodies, places = self.case, [], {}
+        if case.part != "exoskeleton":
+            division = tube.Division().finer(case.refine)
+            depth = case.winding.depth if case.winding else 0.0
+            bodies.append(tube.drawing(case.actuator, case.held, division))
+            places[tube.NAME] = lambda points: tube.placed(case.actuator, depth, division.around, points)
+        if case.part != "actuator":
+            body, middles, curved = slotted.drawing(case.finger, case.fillet, case.refine)
+            bodies.append(body)
+            places[slotted.NAME] = lambda points: _bent(points, middles, curved)
+        mesh = mesh_of(bodies)
+        nodes = Quadratic(mesh)
+        straight = np.empty_like(nodes.points)
+        for name, place in places.items():
+            mine = nodes.bodies == name
+            straight[mine] = place(nodes.points[mine])
+        return mesh, nodes, straight
+
+    def _fill(self, name: str, substance: Substance) -> None:
+        """What body `name` stores and weighs."""
         import ngsolve as ng
 
-        case = self.case
         moved, mean, slope = self.space.TrialFunction()
         place = ng.CoefficientFunction((ng.x, ng.y, ng.z))
         centre = ng.GridFunction(ng.VectorL2(self.mesh, order=0))
         centre.Set(place)
         # Linear in space, not in the element's own coordinates: of full order on hexahedra too.
         level = mean + ng.InnerProduct(slope, place - centre)
-        inside, surface = ng.Id(3) + ng.Grad(moved), ng.Id(3) + ng.Grad(moved).Trace()
-        weight, pressure, _ = self.loads
-        form = ng.BilinearForm(self.space, symmetric=True, condense=True)
-        silicone = case.silicone
-        form += ng.Variation(physics.rubber(silicone, inside, level) * ng.dx(tube.NAME))
-        if any(case.gravity):
-            pull = ng.InnerProduct(ng.CoefficientFunction(case.gravity), moved)
-            form += ng.Variation(-weight * silicone.density * pull * ng.dx(tube.NAME))
-        from_opening = place - ng.CoefficientFunction((case.held, 0.0, 0.0)) + moved.Trace()
-        form += ng.Variation(physics.air(pressure, surface, from_opening) * ng.ds(tube.CHAMBER))
+        self.form += ng.Variation(physics.rubber(substance, ng.Id(3) + ng.Grad(moved), level) * ng.dx(name))
+        if any(self.case.gravity):
+            pull = ng.InnerProduct(ng.CoefficientFunction(self.case.gravity), moved)
+            self.form += ng.Variation(-self.loads[0] * substance.density * pull * ng.dx(name))
+
+    def _blow(self, straight) -> None:
+        """Air in the chamber, thread around it; `straight`: the field of places in the straight finger."""
+        import ngsolve as ng
+
+        moved, case = self.space.TrialFunction()[0], self.case
+        surface = ng.Id(3) + ng.Grad(moved).Trace()
+        x, z, _ = self.axis.frame(case.held) if self.axis else (case.held, 0.0, 0.0)
+        from_opening = ng.CoefficientFunction((ng.x - x, ng.y, ng.z - z)) + moved.Trace()
+        self.form += ng.Variation(physics.air(self.loads[1], surface, from_opening) * ng.ds(tube.CHAMBER))
         if case.winding:
-            form += ng.Variation(physics.thread(case.winding, surface, self._straight) * ng.ds(tube.WOUND))
-        return form
+            self.form += ng.Variation(physics.thread(case.winding, surface, straight) * ng.ds(tube.WOUND))
+
+    def _hang(self) -> None:
+        """The weight on the tip: shared by the elements there so that it pulls at (length, 0, 0)."""
+        import ngsolve as ng
+
+        x, z, angle = self.axis.frame(self.case.finger.length)
+        beyond = (ng.x - x) * math.cos(angle) - (ng.z - z) * math.sin(angle)
+        above = (ng.x - x) * math.sin(angle) + (ng.z - z) * math.cos(angle)
+        volume, first, second = (
+            np.array(ng.Integrate(value, self.mesh, element_wise=True, order=6, definedon=self.mesh.Materials(
+                slotted.NAME))) for value in (ng.CoefficientFunction(1.0), beyond, above))
+        near = (volume > 0) & (first > -HUNG * volume)
+        moments = np.stack([volume, first, second])[:, near]
+        # Shares linear in place: as much as makes half the force, and no moment about that point.
+        places = moments / moments[0]
+        shares = np.zeros(len(volume))
+        shares[near] = np.linalg.solve(moments @ places.T, [0.5, 0.0, 0.0]) @ places
+        spread = ng.GridFunction(ng.L2(self.mesh, order=0))
+        spread.vec.FV().NumPy()[:] = shares
+        pull = np.array(self.case.gravity) if any(self.case.gravity) else np.array([0.0, 0.0, -1.0])
+        down = ng.CoefficientFunction(tuple(pull / np.linalg.norm(pull)))
+        moved = self.space.TrialFunction()[0]
+        self.form += ng.Variation(-self.loads[2] * spread * ng.InnerProduct(down, moved) * ng.dx(slotted.NAME))
 
     def upright(self, state) -> bool:
         """Whether no element is turned inside out, judged at its points of integration."""
@@ -72,3 +119,9 @@ class Model:
 
         volume = ng.Det(ng.Id(3) + ng.Grad(state.components[0]))
         return ng.Integrate(ng.IfPos(volume, 0.0, 1.0), self.mesh, order=4) == 0.0
+
+
+def _bent(points: np.ndarray, middles: np.ndarray, curved: np.ndarray) -> np.ndarray:
+    """Points of the straight-edged mesh, those in the middle of an edge moved onto the curved one."""
+    away, nearest = cKDTree(middles).query(points)
+    return np.where(away[:, None] < slotted.NEAR, curved[nearest], points)

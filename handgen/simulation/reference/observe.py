@@ -12,20 +12,44 @@ from handgen.simulation.reference.model import Model
 
 NEAR = 1e-6
 """mm."""
+TIP = 5.0
+"""mm before the end of the bore from which on the finger counts as its tip."""
 
 
 def state(model: Model, balance: Balance) -> State:
     """The State of `balance`, without fields: its mesh is not one that pictures are made of."""
-    straight, bodies = model.placement.straight, model.nodes.bodies
-    x = model.placement.drawn + model.nodes.values(balance.state.components[0])
-    end = straight[:, 0] > model.case.actuator.length - NEAR
-    base = model.case.finger.outer_radius(0.0) if model.case.finger else 0.0
-    centre = end & (np.hypot(*straight[:, 1:].T) < NEAR) & (bodies == tube.NAME)
+    case, straight = model.case, model.straight
+    moved = model.drawn + model.nodes.values(balance.state.components[0])
+    mine = model.nodes.bodies == tube.NAME
+    if case.part == "actuator":
+        tip = straight[:, 0] > case.actuator.length - NEAR
+    else:
+        tip = ~mine & (straight[:, 0] > case.finger.finger.inner_length - TIP)
+    base = case.finger.outer_radius(0.0) if case.finger else 0.0
     _, pressure, load = balance.now
     return State(
-        float(pressure), float(load), True, tip_drop=float(-x[end, 2].min()) - base, bend_angle=turned(straight[end], x[end]),
-        elongation=float((x - model.placement.drawn)[centre, 0].mean()),
+        float(pressure), float(load), True, tip_drop=float(-moved[tip, 2].min()) - base,
+        bend_angle=turned(straight[tip], moved[tip]), elongation=_elongation(model, moved, mine),
         max_stretch=largest_stretch(model, balance), residual=balance.residual())
+
+
+def _elongation(model: Model, moved: np.ndarray, mine: np.ndarray) -> float | None:
+    """Of a free actuator the travel of its tip along the axis, in a finger the growth of its centre line."""
+    straight = model.straight
+    if model.case.part == "exoskeleton":
+        return None
+    if model.case.part == "actuator":
+        centre = (straight[:, 0] > model.case.actuator.length - NEAR) & (np.hypot(*straight[:, 1:].T) < NEAR)
+        return float((moved - model.drawn)[centre, 0].mean())
+    x, y, z = straight.T
+    side = mine & (np.abs(y) < NEAR) & (np.hypot(y, z) > model.case.actuator.outer(x) - NEAR)
+    lines = []
+    for sign in (-1, 1):
+        line = np.flatnonzero(side & (sign * z > 0))
+        _, first = np.unique(np.round(x[line], 6), return_index=True)
+        lines.append(moved[line[first]])
+    grown = np.linalg.norm(np.diff((lines[0] + lines[1]) / 2, axis=0), axis=1).sum()
+    return float(grown - (model.case.actuator.length - model.case.held))
 
 
 def turned(straight: np.ndarray, moved: np.ndarray) -> float:
