@@ -176,6 +176,29 @@ def add_contact(x, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, 
 
 
 @njit(cache=True)
+def add_bonds(x, nodes, bodies, area, rest, pivot, origin, angle, states, dofs, place, force, matrix):
+    """Springs of PENALTY that hold nodes to their places `rest` (k, 3) in the bones' straight frames."""
+    s, slope, off = np.empty(3), np.empty((3, 6)), np.empty(3)
+    fe, ke = np.empty((2, 3)), np.empty((6, 6))
+    energy = 0.0
+    for e in range(len(nodes)):
+        b, k = bodies[e], PENALTY * area[e]
+        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        fe[:] = 0.0
+        ke[:] = 0.0
+        for n in range(3):
+            off[n] = s[n] - rest[e, n]
+            energy += 0.5 * k * off[n] ** 2
+            for i in range(6):
+                fe[i // 3, i % 3] += k * off[n] * slope[n, i]
+                for j in range(6):
+                    ke[i, j] += k * slope[n, i] * slope[n, j]
+        add_turning(slope, k * off[0], k * off[2], ke)
+        scatter(dofs[e], place[e], fe, ke, force, matrix)
+    return energy
+
+
+@njit(cache=True)
 def extrapolate_contact(x, moved, turned, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin,
                         angle, states, pressed):
     """Write the normal forces after the nodes' step `moved` (N, 3) and the bones' `turned` (b, 3), to first

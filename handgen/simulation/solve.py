@@ -39,8 +39,14 @@ GROWTH, CUT = 1.5, 0.35
 """Of a step after an easy and after a failed one."""
 EASY = 5
 """Iterations up to which the next step may be longer."""
+JUMP = 1.0
+"""mm that some place moves at least where the finger folds; a state nearer by was only hard to find."""
+AFTER = 0.5
+"""First step after that, as a share of the very first."""
 DRAG = 1.0
 """N/mm on an element's share of mass, at first, when a fold is followed in artificial time."""
+CALM = 0.1
+"""Drag over the largest acting force below which the finger is let go."""
 RELAXATIONS = 80
 """Steps of artificial time at most."""
 
@@ -118,11 +124,12 @@ class Solver:
                 jumped = self._relaxed(point.q, point.load.towards(target, min(1.0, 2 * share)))
                 if jumped is None or not self._stable(jumped):
                     return replace(point, folds=folds), False
-                folds += (float(point.load.pressure),)
-                self.folds.append(folds[-1])
+                if np.abs(self.system.positions(jumped.q) - self.system.positions(point.q)).max() > JUMP:
+                    folds += (point.load.pressure,)
+                    self.folds.append(point.load.pressure)
                 point = jumped
                 self.system.accept(point.q)
-                self._scale(1 / CUT)
+                self._steps = [AFTER * first for first in STEPS.parts]
 
     def _scale(self, factor: float) -> None:
         self._steps = [min(s * factor, most) for s, most in zip(self._steps, LONGEST.parts, strict=True)]
@@ -207,8 +214,9 @@ class Solver:
                 if strength > 1e6 * DRAG:
                     return None
                 continue
+            dragged = float(np.abs(strength * s.inertia * (found[0] - centre)).max() / self._acting(load))
             centre = found[0]
-            if strength < 1e-4 * DRAG:
+            if dragged < CALM:
                 free = self._newton(centre, load)
                 if free is not None:
                     return Point(load, free[0], free[1])

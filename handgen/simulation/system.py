@@ -37,7 +37,7 @@ class Load:
     tip: float = 0.0
 
     def towards(self, other: Load, share: float) -> Load:
-        return Load(*(a + share * (b - a) for a, b in zip(self.parts, other.parts, strict=True)))
+        return Load(*(float(a + share * (b - a)) for a, b in zip(self.parts, other.parts, strict=True)))
 
     @property
     def parts(self) -> tuple[float, float, float]:
@@ -238,7 +238,8 @@ class System:
             x = a.grid.nodes[a.outside, 0]
             movable = (self.node_dofs[a.outside] >= 0).any(axis=1)
             for b in range(len(bones.start)):
-                near = movable & (x + REACH_ON > bones.start[b]) & (x - REACH_BACK < bones.end[b])
+                ahead, back = (0.0, 0.0) if self.case.contact.bonded else (REACH_ON, REACH_BACK)
+                near = movable & (x + ahead >= bones.start[b]) & (x - back <= bones.end[b])
                 nodes.append(a.outside[near])
                 bodies.append(np.full(near.sum(), b))
                 kinds.append(np.full(near.sum(), contact.BORE))
@@ -328,7 +329,11 @@ class System:
             energy += fibre.add_threads(
                 x, self.threads, self.thread_length, self.thread_stiffness, self.compressive, self.tension,
                 exact, *self.groups["threads"], force, matrix)
-        if len(self.pair_nodes):
+        if self.case.contact.bonded and len(self.pair_nodes):
+            energy += contact.add_bonds(
+                x, self.pair_nodes, self.pair_bodies, self.pair_areas, self.actuator.grid.nodes[self.pair_nodes],
+                *self._bone_arrays[2:], self.bone_states(q), *self.groups["pairs"], force, matrix)
+        elif len(self.pair_nodes):
             energy += contact.add_contact(
                 x, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas, self.actuator.swell,
                 self._pieces, *self._bone_arrays, self.bone_states(q), self.case.contact.friction, self.anchors,
@@ -446,7 +451,7 @@ class System:
         if len(self.threads):
             fibre.extrapolate_threads(x, moved, self.threads, self.thread_length, self.thread_stiffness,
                                       self.compressive, self.tension)
-        if len(self.pair_nodes):
+        if len(self.pair_nodes) and not self.case.contact.bonded:
             turned = np.where(self.body_dofs >= 0, step[self.body_dofs], 0.0)
             contact.extrapolate_contact(
                 x, moved, turned, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
