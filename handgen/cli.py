@@ -103,6 +103,49 @@ def _check(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED if result["passed"] else FAILED
 
 
+# bend
+
+
+def _bend_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("--finger", default="index", metavar="NAME", help="which finger (index)")
+    parser.add_argument("--part", default="assembly", metavar="WHAT",
+                        help="assembly, exoskeleton or actuator (assembly)")
+    parser.add_argument("--pressures", nargs="+", metavar="KPA",
+                        help="start:end:step or a list, kPa, rising (0:100:10)")
+    parser.add_argument("--tip-loads", nargs="+", metavar="N", help="weights that hang on the fingertip")
+    parser.add_argument("--orientation", default="palm_down", metavar="HOW",
+                        help="palm_down, palm_up, sideways or weightless (palm_down)")
+    parser.add_argument("--obstacle", metavar="MM",
+                        help="a rigid plane so far below the palm side: gives the fingertip's force")
+    parser.add_argument("--model", metavar="FILE",
+                        help="materials and friction: a name of params/models or a file (the first there "
+                             "is of calibrated, literature)")
+    parser.add_argument("--solver", default="solid", metavar="NAME",
+                        help="solid, reference, or one that another package brings (solid)")
+    parser.add_argument("--refine", default="0", metavar="N", help="0 to 3: each halves the elements (0)")
+    parser.add_argument("--no-cache", dest="keep", action="store_false",
+                        help="solve even what was solved before, and keep nothing")
+
+
+def _bend(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen import bending
+
+    asked = bending.request(
+        arguments.params, finger=arguments.finger, part=arguments.part, pressures=arguments.pressures,
+        tip_loads=arguments.tip_loads, orientation=arguments.orientation, obstacle=arguments.obstacle,
+        model=arguments.model, solver=arguments.solver, refine=arguments.refine)
+    bending.target(asked, arguments.out)
+    found = bending.solve(asked, keep=arguments.keep, progress=output.note)
+    folder = bending.write(found, arguments.out, output.note)
+    document = found.document
+    output.result(document, tables.bent(document, found.reached, str(folder), output.style))
+    if not found.complete:
+        print(f"handgen: {found.reached}", file=output.people)
+        return ENGINE
+    return PASSED
+
+
 # measure
 
 
@@ -147,6 +190,7 @@ def _schema(arguments: argparse.Namespace, output: Output) -> int:
 VERBS = {
     "check": Verb("run every design rule and say what will fail", _check_arguments, _check),
     "build": Verb("make the printable, castable parts of a parameter file", _build_arguments, _build),
+    "bend": Verb("how a finger moves under pressure, weights, an obstacle", _bend_arguments, _bend),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }

@@ -1,4 +1,4 @@
-"""Results as tables for people: what `build`, `check` and `measure` say on the terminal."""
+"""Results as tables for people: what `build`, `check`, `bend` and `measure` say on the terminal."""
 
 from __future__ import annotations
 
@@ -44,6 +44,31 @@ def checked(result: dict[str, Any], style: Style) -> str:
 
 def _figure(value: float | None) -> str:
     return "" if value is None else f"{value:.4g}"
+
+
+COLUMNS = {"pressure_kPa": "kPa", "tip_load_N": "weight, N", "tip_drop_mm": "drop, mm",
+           "bend_angle_deg": "bend, deg", "elongation_mm": "longer, mm", "tip_force_N": "force, N",
+           "max_stretch": "stretch"}
+"""Keys of a bend's points and their heads; those that hold nothing are left out."""
+
+
+def bent(document: dict[str, Any], reached: str, folder: str, style: Style) -> str:
+    """A line a point, what is to be known of it behind, then how far it went and where the files are."""
+    points = document["points"]
+    load = "tip_load_N" if document["part"] == "exoskeleton" else "pressure_kPa"
+    shown = [key for key in COLUMNS if key == load or any(point[key] for point in points)]
+    lines = ["".join(f"{COLUMNS[key]:>12}" for key in shown)]
+    for point in points:
+        words = "; ".join(filter(None, [point["note"], *point["flags"]]))
+        row = "".join(f"{_figure(point[key]):>12}" for key in shown)
+        lines.append(f"{row}  {words}" if point["converged"] else style(f"{row}  {words}", COLOURS["fail"]))
+    complete = all(point["converged"] for point in points)
+    lines += ["", *document["notes"]] if document["notes"] else [""]
+    spent = "solved before" if document["cached"] else (
+        f"{document['factorisations']} factorisations of {document['unknowns']} unknowns,"
+        f" {document['wall_s']:.1f} s")
+    verdict = style(reached, COLOURS["pass" if complete else "fail"])
+    return "\n".join([*lines, f"{document['name']} {document['finger']}: {verdict}; {spent}; see {folder}"])
 
 
 def measured(report: dict[str, Any], style: Style) -> str:

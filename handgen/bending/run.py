@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 
 from handgen.bending import cache, solvers
+from handgen.bending.files import target, write
 from handgen.bending.request import Request, request
 from handgen.bending.result import Bend, judged
 from handgen.errors import EngineError, HandgenError
@@ -28,10 +29,11 @@ def bend(params: str | os.PathLike | Loaded, *, out: str | os.PathLike | None = 
         InputError: everything wrong with hand, model and arguments at once; nothing was solved.
         EngineError: the solver cannot be loaded or failed.
     """
-    found = solve(request(params, **arguments), keep=keep, progress=progress)
+    asked = request(params, **arguments)
     if out is not None:
-        from handgen.bending.files import write
-
+        target(asked, out)
+    found = solve(asked, keep=keep, progress=progress)
+    if out is not None:
         write(found, out, progress)
     return found
 

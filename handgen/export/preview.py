@@ -14,8 +14,10 @@ import numpy as np
 
 from handgen.errors import EngineError
 
-Solid = tuple[np.ndarray, np.ndarray, tuple[float, float, float]]
-"""Vertices (n, 3) in mm, faces (m, 3), sRGB colour 0..1."""
+Colour = tuple[float, float, float]
+"""sRGB, 0..1."""
+Solid = tuple[np.ndarray, np.ndarray, Colour]
+"""Vertices (n, 3) in mm, faces (m, 3), colour."""
 
 WIDTH = 1000
 """Of every picture, pixels."""
@@ -23,6 +25,8 @@ TALLEST = 1300
 """Height that the parts of a picture may take, pixels; captions come on top."""
 MARGIN, GAP, LINE = 32, 28, 36
 """Around the sheet, between cells, and the height of a label, pixels."""
+INK: Colour = (0.15, 0.15, 0.18)
+"""Of what is written."""
 SHARP = 35.0
 """Edges that turn by more than this, deg, stay edges in the shading."""
 PACKAGES = "libegl1 libgl1-mesa-dri"
@@ -57,27 +61,49 @@ def draw(path: Path, cells: Sequence[Cell], camera: Camera, columns: int) -> Non
     Raises:
         EngineError: this machine cannot draw off screen.
     """
+    axes = camera.axes()
+    scale, height, places = layout([_extent(cell, axes) for cell in cells], columns)
+    plotter = canvas(height)
+    for cell, (centre, below) in zip(cells, places, strict=True):
+        low, high = _extent(cell, axes)
+        shift = ((centre - np.array([WIDTH, height]) / 2) / scale - (low + high) / 2) @ axes[:2]
+        for vertices, faces, colour in cell.solids:
+            add(plotter, np.asarray(vertices, float) + shift, faces, colour)
+        if cell.label:
+            caption(plotter, cell.label, below)
+    light(plotter, axes, height / scale)
+    save(plotter, path)
+
+
+def canvas(height: int):
+    """A white sheet off screen, WIDTH wide.
+
+    Raises:
+        EngineError: this machine cannot draw off screen.
+    """
     import pyvista
     from vtkmodules.vtkCommonCore import vtkLogger
 
     # VTK reports every display that it does not find; what matters is checked here.
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    axes = camera.axes()
-    scale, height, places = _layout([_extent(cell, axes) for cell in cells], columns)
     plotter = pyvista.Plotter(off_screen=True, window_size=(WIDTH, height), lighting="none")
     _check_window(plotter)
-    for cell, (centre, below) in zip(cells, places, strict=True):
-        low, high = _extent(cell, axes)
-        shift = ((centre - np.array([WIDTH, height]) / 2) / scale - (low + high) / 2) @ axes[:2]
-        for vertices, faces, colour in cell.solids:
-            mesh = pyvista.PolyData.from_regular_faces(np.asarray(vertices, float) + shift, faces)
-            plotter.add_mesh(mesh.compute_normals(split_vertices=True, feature_angle=SHARP,
-                                                  auto_orient_normals=False, consistent_normals=False),
-                             color=colour, smooth_shading=False, specular=0.15, specular_power=12,
-                             interpolation="gouraud")
-        if cell.label:
-            _caption(plotter, cell.label, below)
-    _light(plotter, axes, height / scale)
+    return plotter
+
+
+def add(plotter, vertices: np.ndarray, faces: np.ndarray, colour: Colour) -> None:
+    """Triangles `faces` (m, 3) of `vertices` (n, 3), mm; curves look smooth, edges sharp."""
+    import pyvista
+
+    mesh = pyvista.PolyData.from_regular_faces(vertices, faces)
+    plotter.add_mesh(mesh.compute_normals(split_vertices=True, feature_angle=SHARP,
+                                          auto_orient_normals=False, consistent_normals=False),
+                     color=colour, smooth_shading=False, specular=0.15, specular_power=12,
+                     interpolation="gouraud")
+
+
+def save(plotter, path: Path) -> None:
+    """The picture as PNG at `path`; the plotter is done with."""
     path.parent.mkdir(parents=True, exist_ok=True)
     plotter.screenshot(str(path))
     plotter.close()
@@ -89,8 +115,11 @@ def _extent(cell: Cell, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def _layout(extents, columns: int):
-    """(pixels per mm, height of the picture, per cell its centre and its caption's place)."""
+def layout(extents, columns: int):
+    """(pixels per mm, height of the picture, per cell its centre and its caption's place).
+
+    `extents`: lower left and upper right corner of every cell in the plane of the picture, mm.
+    """
     sizes = [high - low for low, high in extents]
     rows = [range(i, min(i + columns, len(sizes))) for i in range(0, len(sizes), columns)]
     scale = min((WIDTH - 2 * MARGIN - GAP * (len(row) - 1)) / sum(sizes[i][0] for i in row) for row in rows)
@@ -110,7 +139,7 @@ def _layout(extents, columns: int):
     return scale, height, places
 
 
-def _light(plotter, axes: np.ndarray, tall: float) -> None:
+def light(plotter, axes: np.ndarray, tall: float) -> None:
     """Camera, white ground, key, fill and rim light that stand still against the picture."""
     import pyvista
 
@@ -128,17 +157,20 @@ def _light(plotter, axes: np.ndarray, tall: float) -> None:
     plotter.enable_anti_aliasing("msaa", multi_samples=4)
 
 
-def _caption(plotter, text: str, below: tuple[float, float]) -> None:
+def caption(plotter, text: str, at: tuple[float, float], size: int = 22, colour: Colour = INK,
+            centred: bool = True) -> None:
+    """A label centred at `at`, pixels from the lower left, or starting there."""
     from vtkmodules.vtkRenderingCore import vtkTextActor
 
     actor = vtkTextActor()
     actor.SetInput(text)
-    actor.SetPosition(*below)
+    actor.SetPosition(*at)
     style = actor.GetTextProperty()
-    style.SetFontSize(22)
+    style.SetFontSize(size)
     style.SetFontFamilyToArial()
-    style.SetColor(0.15, 0.15, 0.18)
-    style.SetJustificationToCentered()
+    style.SetColor(*colour)
+    if centred:
+        style.SetJustificationToCentered()
     style.SetVerticalJustificationToCentered()
     plotter.add_actor(actor)
 

@@ -1,1 +1,1 @@
-"""How a finger bends: finite elements on arrays. Knows neither CAD nor files; `solid.simulate` is its door."""
+"""How a finger bends: finite elements on arrays. Knows no CAD, no files; `solid.simulate` is its door."""

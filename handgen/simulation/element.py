@@ -334,7 +334,8 @@ def to_bodies(cell, frames, curves, turning, fe, ke):
                     ke[3 * n + i, 3 * m + j] = block[i, j]
     for n in range(nodes):
         curve, t = curves[cell[n]], frames[cell[n]]
-        ke[3 * n + 2, 3 * n + 2] += turning[n, 0] * curve[0] + turning[n, 1] * curve[1] + turning[n, 2] * curve[2]
+        ke[3 * n + 2, 3 * n + 2] += (turning[n, 0] * curve[0] + turning[n, 1] * curve[1]
+                                     + turning[n, 2] * curve[2])
         for i in range(3):
             turned[i] = t[0, i] * fe[n, 0] + t[1, i] * fe[n, 1] + t[2, i] * fe[n, 2]
         for i in range(3):
@@ -388,7 +389,8 @@ def extrapolate(x, step, cells, dn, weight, form, constants, bulk, mean, stress,
             dp -= df @ s
             for i in range(3):
                 for j in range(3):
-                    stress[e, g, i, j] = s[i, j] + h[0, i] * dp[0, j] + h[1, i] * dp[1, j] + h[2, i] * dp[2, j]
+                    stress[e, g, i, j] = s[i, j] + (h[0, i] * dp[0, j] + h[1, i] * dp[1, j]
+                                                    + h[2, i] * dp[2, j])
 
 
 @njit(cache=True)

@@ -11,6 +11,7 @@ A joint's rest angle is drawn in: nodes are those of the straight finger carried
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -110,7 +111,7 @@ class _Finger:
             found += list(np.linspace(self.rigid[i][1], a, 2 * self.fine + 1)[1:])
             r = self.corner[i]
             marks = [a, a + r, b - r, b] if r > 0 else [a, b]
-            for j, (p, q) in enumerate(zip(marks[:-1], marks[1:], strict=True)):
+            for j, (p, q) in enumerate(itertools.pairwise(marks)):
                 pieces = (2 if j == 1 or r == 0 else 1) * self.fine
                 found += list(np.linspace(p, q, pieces + 1)[1:])
             found += list(np.linspace(b, self.rigid[i + 1][0], 2 * self.fine + 1)[1:])
@@ -163,7 +164,7 @@ class _Finger:
         straight = np.stack(np.broadcast_arrays(
             x[:, None, None], radius[:, :, None] * y[:, None, :],
             -radius[:, :, None] * np.cos(angle)[:, None, :]), -1)
-        cells, where = self._cells(len(ends) - 1, layers, places, np.array(ends))
+        cells, _ = self._cells(len(ends) - 1, layers, places, np.array(ends))
         dome_nodes, dome_cells = self._dome(straight[-1], x[-1], straight.size // 3)
         straight = np.vstack([straight.reshape(-1, 3), dome_nodes])
         body = self._carriers(straight)

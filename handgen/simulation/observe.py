@@ -17,10 +17,12 @@ def state(system: System, point: Point, note: str = "") -> State:
     """The State of a stable `point` of `system`."""
     x = system.positions(point.q)
     positions, stretch = {}, {}
-    for name, mesh, first in (("actuator", system.actuator, 0), ("exoskeleton", system.exoskeleton, system.first)):
+    for name, mesh, first in (("actuator", system.actuator, 0),
+                              ("exoskeleton", system.exoskeleton, system.first)):
         if mesh is not None:
-            positions[name] = x[first:first + len(mesh.grid.nodes)].copy()
-            stretch[name] = _stretch(system.drawn[first:first + len(mesh.grid.nodes)], mesh.grid.cells, positions[name])
+            rows = slice(first, first + len(mesh.grid.nodes))
+            positions[name] = x[rows].copy()
+            stretch[name] = _stretch(system.drawn[rows], mesh.grid.cells, positions[name])
     load = point.load
     force = None
     if system.case.obstacle is not None:

@@ -46,8 +46,8 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
                 continue
             stopped = f"no stable state was found beyond {_amount(case, point.load)}"
         states.append(State(target.pressure, target.tip, False, note=stopped))
-    return Curve(tuple(states), system.grids, reached, tuple(solver.folds), system.size, solver.cost.factorisations,
-                 time.perf_counter() - begun, stopped)
+    return Curve(tuple(states), system.grids, reached, tuple(solver.folds), system.size,
+                 solver.cost.factorisations, time.perf_counter() - begun, stopped)
 
 
 def _compiled() -> bool:
@@ -69,4 +69,5 @@ def _amount(case: Case, load) -> str:
 
 
 def _line(state: State) -> str:
-    return f"{1e3 * state.pressure:.0f} kPa, {state.tip_load:.2f} N: tip {state.tip_drop:.1f} mm below the palm"
+    load = f"{1e3 * state.pressure:.0f} kPa, {state.tip_load:.2f} N"
+    return f"{load}: tip {state.tip_drop:.1f} mm below the palm"

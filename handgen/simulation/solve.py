@@ -170,7 +170,7 @@ class Solver:
 
     def _newton(self, q: np.ndarray, load: Load, drag: np.ndarray | None = None,
                 centre: np.ndarray | None = None) -> tuple[np.ndarray, float, int, np.ndarray] | None:
-        """(q in balance, residual, iterations, tangent) from `q`, or None; `drag` (n,) N/mm pulls to `centre`.
+        """(q in balance, residual, iterations, tangent) from `q`, or None; `drag` (n,) N/mm to `centre`.
 
         In balance the extrapolated stresses are the state's own to first order in what is left of the
         residual, so the last tangent serves the test of stability and the next predictor.

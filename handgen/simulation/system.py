@@ -293,8 +293,8 @@ class System:
         self._wind(moving)
         pairs = np.hstack([self.dofs[self.pair_nodes], self.body_dofs[self.pair_bodies]])
         plane = self.body_dofs[self.plane_bodies]
-        groups += [self.dofs[self.threads].reshape(-1, 6), self.dofs[self.faces].reshape(-1, 12), pairs, plane,
-                   self.body_dofs]
+        groups += [self.dofs[self.threads].reshape(-1, 6), self.dofs[self.faces].reshape(-1, 12), pairs,
+                   plane, self.body_dofs]
         self.pattern = Pattern(groups, self.size)
         for block, dofs, place in zip(self.blocks, groups, self.pattern.places, strict=False):
             block.dofs, block.place = dofs, place
@@ -331,13 +331,15 @@ class System:
                 exact, *self.groups["threads"], force, matrix)
         if self.case.contact.bonded and len(self.pair_nodes):
             energy += contact.add_bonds(
-                x, self.pair_nodes, self.pair_bodies, self.pair_areas, self.actuator.grid.nodes[self.pair_nodes],
-                *self._bone_arrays[2:], self.bone_states(q), *self.groups["pairs"], force, matrix)
+                x, self.pair_nodes, self.pair_bodies, self.pair_areas,
+                self.actuator.grid.nodes[self.pair_nodes], *self._bone_arrays[2:], self.bone_states(q),
+                *self.groups["pairs"], force, matrix)
         elif len(self.pair_nodes):
             energy += contact.add_contact(
-                x, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas, self.actuator.swell,
-                self._pieces, *self._bone_arrays, self.bone_states(q), self.case.contact.friction, self.anchors,
-                self.normal, self.rubbing, self.pressed, exact, self.grip, *self.groups["pairs"], force, matrix)
+                x, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
+                self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
+                self.case.contact.friction, self.anchors, self.normal, self.rubbing, self.pressed,
+                exact, self.grip, *self.groups["pairs"], force, matrix)
         if len(self.plane_points):
             level = -self.case.finger.outer(0.0) - self.case.obstacle
             part, self.pushed = contact.add_plane(
@@ -356,8 +358,9 @@ class System:
             for b in self.blocks:
                 at = self._part(number, len(b.cells))
                 part, low = element.assemble(
-                    x, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk, b.mean, b.stress[at],
-                    b.pressure[at], exact, b.dofs[at], b.place[at], frames, curves, b.framed[at], force, matrix)
+                    x, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk, b.mean,
+                    b.stress[at], b.pressure[at], exact, b.dofs[at], b.place[at], frames, curves,
+                    b.framed[at], force, matrix)
                 energy, least = energy + part, min(least, low)
             return energy, force, matrix, least
 
@@ -402,7 +405,8 @@ class System:
             for b in range(len(self.bones.start) if self.bones is not None else 0):
                 energy += self._pull(b, self._centres(b), load.weight * self.gravity, q, force, matrix)
         if load.tip and self.bones is not None:
-            along = self.gravity / np.linalg.norm(self.gravity) if self.gravity.any() else np.array([0, 0, -1.0])
+            down = np.array([0.0, 0.0, -1.0])
+            along = self.gravity / np.linalg.norm(self.gravity) if self.gravity.any() else down
             b = len(self.bones.start) - 1
             point = np.array([[self.case.finger.length, 0.0, 0.0]]), np.array([0.5])
             energy += self._pull(b, point, load.tip * along, q, force, matrix)
@@ -444,8 +448,8 @@ class System:
         def share(number: int):
             for b in self.blocks:
                 at = self._part(number, len(b.cells))
-                element.extrapolate(x, moved, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk,
-                                    b.mean, b.stress[at], b.pressure[at])
+                element.extrapolate(x, moved, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants,
+                                    b.bulk, b.mean, b.stress[at], b.pressure[at])
 
         self._shared(share)
         if len(self.threads):

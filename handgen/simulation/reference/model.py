@@ -111,7 +111,8 @@ class Model:
         pull = np.array(self.case.gravity) if any(self.case.gravity) else np.array([0.0, 0.0, -1.0])
         down = ng.CoefficientFunction(tuple(pull / np.linalg.norm(pull)))
         moved = self.space.TrialFunction()[0]
-        self.form += ng.Variation(-self.loads[2] * spread * ng.InnerProduct(down, moved) * ng.dx(slotted.NAME))
+        work = self.loads[2] * spread * ng.InnerProduct(down, moved)
+        self.form += ng.Variation(-work * ng.dx(slotted.NAME))
 
     def upright(self, state) -> bool:
         """Whether no element is turned inside out, judged at its points of integration."""

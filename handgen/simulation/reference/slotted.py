@@ -56,7 +56,8 @@ def drawing(profile: FingerProfile, fillet: float, refine: int) -> tuple[Drawing
 
 
 def _edge(profile: FingerProfile, x: float) -> float:
-    away = min((abs(x - j.position) - j.slot_length / 2 - BESIDE for j in profile.finger.joints), default=math.inf)
+    joints = profile.finger.joints
+    away = min((abs(x - j.position) - j.slot_length / 2 - BESIDE for j in joints), default=math.inf)
     return min(COARSE, FINE + GRADING * max(0.0, away))
 
 
