@@ -22,8 +22,10 @@ from handgen.simulation.sparse import Pattern
 
 PLANE = 1e-9
 """mm; nodes nearer to y = 0 lie in the plane of symmetry."""
-REACH_BACK, REACH_ON = 8.0, 60.0
-"""mm that a node of the actuator may slide towards root and tip: the bones it is paired with."""
+REACH_BACK, REACH_ON = 8.0, 0.8
+"""How far a node of the actuator may slide: mm towards the root, towards the tip as a share of the free length
+behind it (a mean stretch of 1.8). A node is paired with the bones within reach only: to a bone farther on,
+which a curled finger brings back to it, the node is outside, not in the bore."""
 POLYNOMIALS = {"neo_hookean": ("c10",), "mooney_rivlin": ("c10", "c01"), "yeoh": ("c10", "c20", "c30")}
 """Laws that the kernel's polynomial holds, with their constants in order."""
 
@@ -238,7 +240,8 @@ class System:
             x = a.grid.nodes[a.outside, 0]
             movable = (self.node_dofs[a.outside] >= 0).any(axis=1)
             for b in range(len(bones.start)):
-                ahead, back = (0.0, 0.0) if self.case.contact.bonded else (REACH_ON, REACH_BACK)
+                ahead, back = (0.0, 0.0) if self.case.contact.bonded else (
+                    REACH_ON * np.maximum(x - self.case.held, 0.0), REACH_BACK)
                 near = movable & (x + ahead >= bones.start[b]) & (x - back <= bones.end[b])
                 nodes.append(a.outside[near])
                 bodies.append(np.full(near.sum(), b))
