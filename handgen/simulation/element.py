@@ -24,6 +24,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+CONTRACTED = {"contract"}
+"""Products and sums in one instruction; nothing else may be taken for granted."""
 POLYNOMIAL, OGDEN = 0, 1
 """Forms of laws: c10 (I1 - 3) + c20 (I1 - 3)^2 + c30 (I1 - 3)^3 + c01 (I2 - 3); powers of stretches."""
 
@@ -42,9 +44,13 @@ def inverse_transposed(f, h):
     return det
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=CONTRACTED)
 def polynomial(f, h, det, c, p, a):
-    """W, P and A of the polynomial law with constants `c`; writes `p` (3, 3) and `a` (9, 9)."""
+    """W, P and A of the polynomial law with constants `c`; writes `p` (3, 3) and `a` (9, 9).
+
+    With s = J^-2/3 and G = d(s I1)/dF = s (2 F - 2/3 I1 H), H = F^-T:
+    P = W1 G, A = W1 dG/dF + W11 G x G; dG/dF has only dyads of F and H, and the transposed one of H.
+    """
     c10, c20, c30, c01 = c[0], c[1], c[2], c[3]
     scale = det ** (-2.0 / 3.0)
     i1 = 0.0
@@ -54,50 +60,57 @@ def polynomial(f, h, det, c, p, a):
     k = scale * i1 - 3.0
     w1 = c10 + k * (2 * c20 + 3 * c30 * k)
     w11 = 2 * c20 + 6 * c30 * k
-    g1 = np.empty((3, 3))
+    g = np.empty((3, 3))
     for i in range(3):
         for j in range(3):
-            g1[i, j] = scale * (2 * f[i, j] - 2.0 / 3.0 * i1 * h[i, j])
-            p[i, j] = w1 * g1[i, j]
+            g[i, j] = scale * (2 * f[i, j] - 2.0 / 3.0 * i1 * h[i, j])
+            p[i, j] = w1 * g[i, j]
+    t = w1 * scale
     for i in range(3):
         for j in range(3):
-            row = 3 * i + j
+            row, ff, hh, gg = 3 * i + j, f[i, j], h[i, j], w11 * g[i, j]
             for m in range(3):
+                across = 2.0 / 3.0 * i1 * t * h[m, j]
                 for n in range(3):
-                    value = (-4.0 / 3.0 * (f[i, j] * h[m, n] + h[i, j] * f[m, n])
-                             + 4.0 / 9.0 * i1 * h[i, j] * h[m, n] + 2.0 / 3.0 * i1 * h[i, n] * h[m, j])
-                    if i == m and j == n:
-                        value += 2.0
-                    a[row, 3 * m + n] = w1 * scale * value + w11 * g1[i, j] * g1[m, n]
+                    a[row, 3 * m + n] = (-4.0 / 3.0 * t * ff * h[m, n] + across * h[i, n] + gg * g[m, n]
+                                         + t * hh * (4.0 / 9.0 * i1 * h[m, n] - 4.0 / 3.0 * f[m, n]))
+            a[row, row] += 2.0 * t
     energy = k * (c10 + k * (c20 + k * c30))
     if c01 != 0.0:
         energy += _second_invariant(f, h, i1, scale, c01, p, a)
     return energy
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=CONTRACTED)
 def _second_invariant(f, h, i1, scale, c01, p, a):
     """Add c01 (I2 - 3): its energy is returned, its stress and moduli added to `p` and `a`."""
-    b, c = f @ f.T, f.T @ f
-    i2 = 0.5 * (i1 * i1 - np.sum(c * c))
-    g = 2 * (i1 * f - f @ c)
-    s = scale * scale
+    b, c, g = np.zeros((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
     for i in range(3):
         for j in range(3):
-            p[i, j] += c01 * s * (g[i, j] - 4.0 / 3.0 * i2 * h[i, j])
+            for k in range(3):
+                b[i, j] += f[i, k] * f[j, k]
+                c[i, j] += f[k, i] * f[k, j]
+    i2 = 0.5 * i1 * i1
+    for i in range(3):
+        for j in range(3):
+            i2 -= 0.5 * c[i, j] * c[i, j]
+            g[i, j] = 2 * (i1 * f[i, j] - f[i, 0] * c[0, j] - f[i, 1] * c[1, j] - f[i, 2] * c[2, j])
+    s = c01 * scale * scale
+    for i in range(3):
+        for j in range(3):
+            row = 3 * i + j
+            p[i, j] += s * (g[i, j] - 4.0 / 3.0 * i2 * h[i, j])
             for m in range(3):
                 for n in range(3):
-                    value = (4 * f[i, j] * f[m, n] - 2 * f[i, n] * f[m, j]
-                             - 4.0 / 3.0 * (g[i, j] * h[m, n] + h[i, j] * g[m, n])
-                             + 16.0 / 9.0 * i2 * h[i, j] * h[m, n] + 4.0 / 3.0 * i2 * h[i, n] * h[m, j])
-                    if i == m:
-                        value -= 2 * c[n, j]
-                    if j == n:
-                        value -= 2 * b[i, m]
-                        if i == m:
-                            value += 2 * i1
-                    a[3 * i + j, 3 * m + n] += c01 * s * value
-    return c01 * (s * i2 - 3.0)
+                    a[row, 3 * m + n] += s * (
+                        4 * f[i, j] * f[m, n] - 2 * f[i, n] * f[m, j] + 4.0 / 3.0 * i2 * h[i, n] * h[m, j]
+                        - 4.0 / 3.0 * g[i, j] * h[m, n]
+                        + h[i, j] * (16.0 / 9.0 * i2 * h[m, n] - 4.0 / 3.0 * g[m, n]))
+            for n in range(3):
+                a[row, 3 * i + n] -= 2 * s * c[n, j]
+                a[row, 3 * n + j] -= 2 * s * b[i, n]
+            a[row, row] += 2 * s * i1
+    return s * i2 - 3.0 * c01
 
 
 @njit(cache=True)
@@ -202,14 +215,41 @@ def _second_piola(f, h, p, s):
             s[i, j] = h[0, i] * p[0, j] + h[1, i] * p[1, j] + h[2, i] * p[2, j]
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=CONTRACTED)
 def _add_pressure(h, det, pressure, a):
     """A += pressure d2J/dFdF."""
+    factor = pressure * det
     for i in range(3):
         for j in range(3):
+            own = factor * h[i, j]
             for m in range(3):
+                across = factor * h[m, j]
                 for n in range(3):
-                    a[3 * i + j, 3 * m + n] += pressure * det * (h[i, j] * h[m, n] - h[i, n] * h[m, j])
+                    a[3 * i + j, 3 * m + n] += own * h[m, n] - across * h[i, n]
+
+
+@njit(cache=True, fastmath=CONTRACTED)
+def add_stiffness(a, dn, w, across, moved, kc):
+    """Add w grad N . A . grad N of one point to `kc` (3 n, 3 n), whose rows go by component, then by node.
+
+    So ordered, every innermost loop runs over neighbouring nodes' numbers, which the compiler turns into
+    vector instructions. `across` (3, n) and `moved` (9, 3 n) are room to work in.
+    """
+    nodes = len(dn)
+    for j in range(3):
+        for n in range(nodes):
+            across[j, n] = dn[n, j]
+    for row in range(9):
+        for i in range(3):
+            a0, a1, a2 = w * a[row, 3 * i], w * a[row, 3 * i + 1], w * a[row, 3 * i + 2]
+            for n in range(nodes):
+                moved[row, i * nodes + n] = a0 * across[0, n] + a1 * across[1, n] + a2 * across[2, n]
+    for i in range(3):
+        for n in range(nodes):
+            d0, d1, d2 = across[0, n], across[1, n], across[2, n]
+            for column in range(3 * nodes):
+                kc[i * nodes + n, column] += (d0 * moved[3 * i, column] + d1 * moved[3 * i + 1, column]
+                                              + d2 * moved[3 * i + 2, column])
 
 
 @njit(cache=True, nogil=True)
@@ -227,8 +267,9 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
     """
     count, points, nodes, _ = dn.shape
     f, h, p, a, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((9, 9)), np.empty((3, 3))
-    ab = np.empty((9, 3))
     slopes, fe, ke = np.empty((nodes, 3)), np.empty((nodes, 3)), np.empty((3 * nodes, 3 * nodes))
+    across, moved, kc = np.empty((3, nodes)), np.empty((9, 3 * nodes)), np.empty((3 * nodes, 3 * nodes))
+    along = np.empty(3 * nodes)
     turning, known = np.empty((nodes, 3)), np.empty((3, 3))
     energy, least = 0.0, np.inf
     for e in range(count):
@@ -244,7 +285,7 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
             acting = level if exact else pressure[e, 0]
             energy += 0.5 * v0 * bulk * (volume / v0 - 1.0) ** 2
         fe[:] = 0.0
-        ke[:] = 0.0
+        kc[:] = 0.0
         turning[:] = 0.0
         for g in range(points):
             gradient_at(x, cell, dn[e, g], f)
@@ -276,35 +317,27 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
                 for i in range(3):
                     fe[n, i] += w * (p[i, 0] * dn[e, g, n, 0] + p[i, 1] * dn[e, g, n, 1]
                                      + p[i, 2] * dn[e, g, n, 2])
-                if framed[e]:
-                    known = p if exact else f @ stress[e, g] + acting * det * h
+            if framed[e]:
+                known = p if exact else f @ stress[e, g] + acting * det * h
+                for n in range(nodes):
                     for i in range(3):
                         turning[n, i] += w * (known[i, 0] * dn[e, g, n, 0] + known[i, 1] * dn[e, g, n, 1]
                                               + known[i, 2] * dn[e, g, n, 2])
-                for row in range(9):
-                    for j in range(3):
-                        ab[row, j] = w * (a[row, 3 * j] * dn[e, g, n, 0] + a[row, 3 * j + 1] * dn[e, g, n, 1]
-                                          + a[row, 3 * j + 2] * dn[e, g, n, 2])
-                for m in range(n, nodes):
-                    d0, d1, d2 = dn[e, g, m, 0], dn[e, g, m, 1], dn[e, g, m, 2]
-                    for i in range(3):
-                        for j in range(3):
-                            ke[3 * m + i, 3 * n + j] += (d0 * ab[3 * i, j] + d1 * ab[3 * i + 1, j]
-                                                         + d2 * ab[3 * i + 2, j])
+            add_stiffness(a, dn[e, g], w, across, moved, kc)
         if mean:
             for n in range(nodes):
                 for i in range(3):
                     fe[n, i] += level * slopes[n, i]
-            for n in range(nodes):
-                for m in range(n, nodes):
-                    for i in range(3):
-                        for j in range(3):
-                            ke[3 * m + i, 3 * n + j] += bulk / v0 * slopes[m, i] * slopes[n, j]
+                    along[i * nodes + n] = slopes[n, i]
+            for row in range(3 * nodes):
+                factor = bulk / v0 * along[row]
+                for column in range(3 * nodes):
+                    kc[row, column] += factor * along[column]
         for n in range(nodes):
-            for m in range(n + 1, nodes):
-                for i in range(3):
+            for i in range(3):
+                for m in range(nodes):
                     for j in range(3):
-                        ke[3 * n + j, 3 * m + i] = ke[3 * m + i, 3 * n + j]
+                        ke[3 * n + i, 3 * m + j] = kc[i * nodes + n, j * nodes + m]
         if framed[e]:
             to_bodies(cell, frames, curves, turning, fe, ke)
         scatter(dofs[e], place[e], fe, ke, force, matrix)
@@ -377,16 +410,20 @@ def extrapolate(x, step, cells, dn, weight, form, constants, bulk, mean, stress,
             det = inverse_transposed(f, h)
             law_at(form, f, h, det, constants, p, a)
             if not mean:
-                pressure[e, g] = bulk * (det * (1.0 + np.sum(h * df)) - 1.0)
+                grown = 0.0
+                for i in range(3):
+                    for j in range(3):
+                        grown += h[i, j] * df[i, j]
+                pressure[e, g] = bulk * (det * (1.0 + grown) - 1.0)
+            _second_piola(f, h, p, s)
             for i in range(3):
                 for j in range(3):
                     total = 0.0
                     for m in range(3):
+                        total -= df[i, m] * s[m, j]
                         for n in range(3):
                             total += a[3 * i + j, 3 * m + n] * df[m, n]
                     dp[i, j] = total
-            _second_piola(f, h, p, s)
-            dp -= df @ s
             for i in range(3):
                 for j in range(3):
                     stress[e, g, i, j] = s[i, j] + (h[0, i] * dp[0, j] + h[1, i] * dp[1, j]

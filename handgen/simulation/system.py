@@ -23,9 +23,9 @@ from handgen.simulation.sparse import Pattern
 PLANE = 1e-9
 """mm; nodes nearer to y = 0 lie in the plane of symmetry."""
 REACH_BACK, REACH_ON = 8.0, 0.8
-"""How far a node of the actuator may slide: mm towards the root, towards the tip as a share of the free length
-behind it (a mean stretch of 1.8). A node is paired with the bones within reach only: to a bone farther on,
-which a curled finger brings back to it, the node is outside, not in the bore."""
+"""How far a node of the actuator may slide: mm towards the root; towards the tip as a share of the free
+length behind it (a mean stretch of 1.8). A node is paired with the bones within reach only: from a bone
+farther on, which a curled finger brings back to it, the node is seen outside, not in the bore."""
 POLYNOMIALS = {"neo_hookean": ("c10",), "mooney_rivlin": ("c10", "c01"), "yeoh": ("c10", "c20", "c30")}
 """Laws that the kernel's polynomial holds, with their constants in order."""
 
