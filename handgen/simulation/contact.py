@@ -9,7 +9,9 @@ the matrix's pattern, never changes.
 
 Friction acts along the axis: an elastic bond of stick length STICK that is dragged along once it is
 stretched (P. R. Dahl, 1968): energy mu N (sqrt(d^2 + STICK^2) - STICK) with d the way of s_x from the
-anchor and N the normal force of the iterate before, so that the tangent stays symmetric.
+anchor and N the normal force of the iterate before, so that the tangent stays symmetric. Newton rattles
+on such a knee: the bond's direction, way / root, is therefore extrapolated like a stress (T. F. Chan, G. H.
+Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977, do the same for |x| in images).
 """
 
 from __future__ import annotations
@@ -106,14 +108,14 @@ def add_turning(slope, gx, gz, k):
 
 @njit(cache=True)
 def add_contact(x, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin, angle, states,
-                friction, anchors, normal, lagged, pressed, exact, grip, dofs, place, force, matrix):
+                friction, anchors, normal, lagged, pressed, dragged, exact, grip, dofs, place, force, matrix):
     """Add all pairs' forces and tangent; returns their energy.
 
     nodes, bodies, kinds, area (k,): pairs of a node and a bone, what of the bone it meets, mm2 for it;
     pieces: of the bore; low, high (b,): where each bone ends; anchors (k,) where friction's bonds are
     fixed, NaN: nowhere. Writes the normal forces `normal` (k,), N; `lagged` are those that rub, `pressed`
-    the extrapolated ones, which the geometric stiffness takes unless `exact`; grip, mm: surfaces count as so
-    much closer than they are.
+    the extrapolated ones, which the geometric stiffness takes unless `exact`, as `dragged` are the bonds'
+    extrapolated directions; grip, mm: surfaces count as so much closer than they are.
     """
     s, slope, g, step = np.empty(3), np.empty((3, 6)), np.empty(3), np.empty(6)
     fe, ke = np.empty((2, 3)), np.empty((6, 6))
@@ -164,7 +166,9 @@ def add_contact(x, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, 
                 way = s[0] - anchors[e]
                 root = np.sqrt(way * way + STICK * STICK)
                 energy += friction * lagged[e] * (root - STICK)
-                f1, f2 = friction * lagged[e] * way / root, friction * lagged[e] * STICK**2 / root**3
+                along = way / root if exact else dragged[e]
+                f1 = friction * lagged[e] * way / root
+                f2 = friction * lagged[e] / root * (1.0 - along * way / root)
                 for i in range(6):
                     fe[i // 3, i % 3] += f1 * slope[0, i]
                     for j in range(6):
@@ -200,9 +204,9 @@ def add_bonds(x, nodes, bodies, area, rest, pivot, origin, angle, states, dofs, 
 
 @njit(cache=True)
 def extrapolate_contact(x, moved, turned, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin,
-                        angle, states, pressed):
+                        angle, states, anchors, pressed, dragged):
     """Write the normal forces after the nodes' step `moved` (N, 3) and the bones' `turned` (b, 3), to first
-    order; never below 0."""
+    order, never below 0, and the directions of friction's bonds, -1 to 1."""
     s, slope, step = np.empty(3), np.empty((3, 6)), np.empty(6)
     for e in range(len(nodes)):
         b = bodies[e]
@@ -218,6 +222,10 @@ def extrapolate_contact(x, moved, turned, nodes, bodies, kinds, area, swell, pie
                 s[1] * np.sum(slope[1] * step) + s[2] * np.sum(slope[2] * step)) / (rho * swell**2)
         _, w1, w2 = onset(gap, PENALTY * area[e], SOFT)
         pressed[e] = max(0.0, -w1 - w2 * grown)
+        if not np.isnan(anchors[e]):
+            way = s[0] - anchors[e]
+            root = np.sqrt(way * way + STICK * STICK)
+            dragged[e] = min(1.0, max(-1.0, way / root + STICK**2 / root**3 * np.sum(slope[0] * step)))
 
 
 @njit(cache=True)

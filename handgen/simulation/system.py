@@ -258,6 +258,7 @@ class System:
         self.anchors = np.full(len(self.pair_nodes), np.nan)
         self.normal = np.zeros(len(self.pair_nodes))
         self.pressed = np.zeros(len(self.pair_nodes))
+        self.dragged = np.zeros(len(self.pair_nodes))
         self.rubbing = np.zeros(len(self.pair_nodes))
         self.grip = 0.0
         self.plane_points, self.plane_bodies, self.plane_areas = self._plane()
@@ -342,7 +343,7 @@ class System:
                 x, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
                 self.case.contact.friction, self.anchors, self.normal, self.rubbing, self.pressed,
-                exact, self.grip, *self.groups["pairs"], force, matrix)
+                self.dragged, exact, self.grip, *self.groups["pairs"], force, matrix)
         if len(self.plane_points):
             level = -self.case.finger.outer(0.0) - self.case.obstacle
             part, self.pushed = contact.add_plane(
@@ -462,7 +463,8 @@ class System:
             turned = np.where(self.body_dofs >= 0, step[self.body_dofs], 0.0)
             contact.extrapolate_contact(
                 x, moved, turned, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
-                self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q), self.pressed)
+                self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
+                self.anchors, self.pressed, self.dragged)
 
     def accept(self, q: np.ndarray) -> None:
         """Friction's bonds follow an accepted state."""
