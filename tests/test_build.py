@@ -199,13 +199,16 @@ def test_broken_rule_writes_nothing_printable(built, copy, tmp_path):
     result = build(tiny, out=copy)
     assert not result["passed"] and result["manifest"] == {}
     after = tree(copy)
-    assert after.pop("checks/checks.json") and seen(after) == seen(before)
+    shown = {path for path in after if path.startswith("checks/previews/")}
+    assert shown and after.pop("checks/checks.json")
+    assert seen({p: sha for p, sha in after.items() if p not in shown}) == seen(before)
     broken = {f["part"]: f for f in result["checks"]["findings"] if f["severity"] == "error"}
     assert broken["exoskeleton/index"]["rule"] == "print.build-volume"
     assert broken["exoskeleton/index"]["measured"] == pytest.approx(86.0 - 60.0, abs=0.01)
     assert "tooling/index/plug" not in broken and "actuators/index" not in broken
     fresh = build(tiny, out=tmp_path / "fresh", parts=["exoskeleton"])
-    assert not fresh["passed"] and set(seen(tree(tmp_path / "fresh"))) == {"checks/checks.json"}
+    assert not fresh["passed"] and set(seen(tree(tmp_path / "fresh"))) == {
+        "checks/checks.json", "checks/previews/01_print.build-volume_exoskeleton_index.png"}
     wide = variant(tmp_path, "printing: {build_volume: [200, 200, 200]}\n")
     assert build(wide, out=tmp_path / "fresh", parts=["mould_base"])["passed"]
     assert not [p for p in tree(tmp_path / "fresh") if "checks/" in p or p.startswith(".")]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from handgen import __version__, checks
-from handgen.builder import jobs, pictures
+from handgen.builder import jobs, pictures, spotted
 from handgen.builder.pictures import View
 from handgen.builder.plan import Planned, digests, groups, kept, plan, salt
 from handgen.builder.pool import Workers, default_count
@@ -23,6 +23,8 @@ from handgen.geometry.catalogue import catalogue, select
 from handgen.parameters.load import Loaded, load
 
 Progress = Callable[[str], None]
+FINDINGS = "previews/findings"
+"""Of a build's pictures of what the rules found."""
 
 
 def build(
@@ -92,6 +94,7 @@ class _Build:
     def __init__(self, loaded: Loaded, store: Store, say: Progress, verify: bool):
         self.loaded, self.store, self.say, self.verify = loaded, store, say, verify
         self.previous = store.manifest()
+        self.present: list[Planned] = []
         self.files: dict[str, str] = {}
         self.views: list[dict[str, Any]] = []
         self.warnings: list[str] = []
@@ -100,7 +103,7 @@ class _Build:
     def run(self, planned: list[Planned], wanted: set[str], workers: int, lock: int) -> dict[str, Any]:
         rows = kept(planned, self.store, self.previous)
         missing = [p for p in planned if p.part.name in wanted and p.part.name not in rows]
-        present = [p for p in planned if p.part.name in rows or p in missing]
+        self.present = present = [p for p in planned if p.part.name in rows or p in missing]
         verdict = Verdict(self.loaded, [p.part.name for p in present], self.store.stage)
         try:
             for row in rows.values():
@@ -112,9 +115,11 @@ class _Build:
                 if report is None:
                     verdict.start(pool)
                 views = pictures.views(self.loaded.hand, self.loaded.sha256, present)
+                views += spotted.views(report, present, FINDINGS) if report else []
                 report = self._make(missing, meshed, views, rows, pool, verdict, report)
             if self.verify and not report["passed"]:
-                return self._failed(report)
+                with Workers(workers, lock, ("manifold3d",)) as pool:
+                    return self._failed(report, pool)
             return self._finish([rows[p.part.name] for p in present], report, _judged(self.loaded, present))
         finally:
             self.store.discard()
@@ -141,7 +146,7 @@ class _Build:
 
     def _make(self, missing: list[Planned], meshed: dict[str, jobs.Meshed], views: list[View],
               rows: dict[str, dict], pool: Workers, verdict: Verdict, report: dict | None) -> dict[str, Any]:
-        """Make the rest of the missing parts and the views while the rules run; extends `rows`.
+        """Make the rest of the missing parts and the views while the rules run; extends `rows` and `views`.
 
         Returns the report, at once if a rule keeps everything from being written.
         """
@@ -149,12 +154,16 @@ class _Build:
         for group in groups(missing):
             pool.add([(p.part.name, jobs.solid, (p.part, self.store.stage, meshed[p.part.name]))
                       for p in group])
-        waiting = self._start_views([view for view in views if not self._keep_view(view)], rows, pool)
+        waiting = self._start_views(self._new(views), rows, pool)
         for name, result in pool.results():
             if verdict.take(name, result):
-                report = report or verdict.report
+                report = verdict.report
                 if self.verify and report and not report["passed"]:
                     return report
+                if report:
+                    found = spotted.views(report, self.present, FINDINGS)
+                    views += found
+                    waiting = self._start_views(waiting + self._new(found), rows, pool)
             elif name in parts:
                 made = parts.pop(name)
                 rows[name] = self._row(made, meshed[name], _sound(result))
@@ -170,10 +179,17 @@ class _Build:
         self.changed = True
         return manifest.entry(made.part, made.key, meshed.facts, solid.volume_mm3, files)
 
-    def _failed(self, report: dict[str, Any]) -> dict[str, Any]:
-        """Nothing printable, but what is wrong, where the user looks for the build."""
-        publish(report, self.store.final / CHECK_FOLDER)
+    def _failed(self, report: dict[str, Any], pool: Workers) -> dict[str, Any]:
+        """Nothing printable, but what is wrong and where, beside where the user looks for the build."""
+        drawn, warning = spotted.draw(report, self.present, self.store.stage, pool)
+        if warning:
+            self.say(f"warning: {warning}")
+        publish(report, drawn, self.store.final / CHECK_FOLDER)
         return _result(self.loaded, self.store, report, {})
+
+    def _new(self, views: list[View]) -> list[View]:
+        """Those of `views` that must be drawn; the others are kept."""
+        return [view for view in views if not self._keep_view(view)]
 
     def _keep_view(self, view: View) -> bool:
         """Keep a view by its key, as parts are."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from handgen import checks
-from handgen.builder import jobs
+from handgen.builder import jobs, spotted
 from handgen.builder.plan import Planned, groups
 from handgen.builder.pool import Workers, default_count
 from handgen.builder.store import CHECK_FOLDER, CHECKS, Store
@@ -24,7 +24,7 @@ def check(
     progress: Callable[[str], None] | None = None,
     workers: int | None = None,
 ) -> dict[str, Any]:
-    """Judge the hand of the parameter file `params`; the report goes to `out`/checks.
+    """Judge the hand of the parameter file `params`; report and pictures go to `out`/checks.
 
     `out` is the folder of the build (`outputs/<name>`), which stays as it is.
 
@@ -58,6 +58,9 @@ def check(
             for name, result in pool.results():
                 verdict.take(name, result)
                 say(f"{name}: done")
-    report = verdict.report
-    publish(report, folder)
+            report = verdict.report
+            drawn, warning = spotted.draw(report, planned, stage, pool)
+    if warning:
+        say(f"warning: {warning}")
+    publish(report, drawn, folder)
     return {"name": loaded.hand.name, "out": str(folder), "checks": report, "passed": report["passed"]}

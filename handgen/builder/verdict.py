@@ -51,8 +51,8 @@ class Verdict:
         return None if self.waiting else checks.report(self.loaded.hand, self.outcomes)
 
 
-def publish(report: dict[str, Any], folder: Path) -> None:
-    """The report as the folder's only content, exchanged as a whole.
+def publish(report: dict[str, Any], pictures: dict[str, bytes], folder: Path) -> None:
+    """The report and its pictures (path -> PNG) as the folder's only content, exchanged as a whole.
 
     Raises:
         InputError: `folder` holds something that handgen did not write.
@@ -60,7 +60,7 @@ def publish(report: dict[str, Any], folder: Path) -> None:
     store = Store(folder, CHECKS)
     with store.locked(lambda: None):
         try:
-            store.write({CHECKS: manifest.to_bytes(report)})
+            store.write({CHECKS: manifest.to_bytes(report), **pictures})
             store.commit()
         finally:
             store.discard()

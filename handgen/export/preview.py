@@ -158,8 +158,11 @@ def light(plotter, axes: np.ndarray, tall: float) -> None:
 
 
 def caption(plotter, text: str, at: tuple[float, float], size: int = 22, colour: Colour = INK,
-            centred: bool = True) -> None:
-    """A label centred at `at`, pixels from the lower left, or starting there."""
+            centred: bool = True, plate: float = 0.0) -> None:
+    """A label centred at `at`, pixels from the lower left, or starting there.
+
+    `plate` is the opacity, 0 to 1, of a white plate behind it.
+    """
     from vtkmodules.vtkRenderingCore import vtkTextActor
 
     actor = vtkTextActor()
@@ -169,6 +172,8 @@ def caption(plotter, text: str, at: tuple[float, float], size: int = 22, colour:
     style.SetFontSize(size)
     style.SetFontFamilyToArial()
     style.SetColor(*colour)
+    style.SetBackgroundColor(1.0, 1.0, 1.0)
+    style.SetBackgroundOpacity(plate)
     if centred:
         style.SetJustificationToCentered()
     style.SetVerticalJustificationToCentered()

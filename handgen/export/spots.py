@@ -33,6 +33,8 @@ DETAIL = 0.3
 DETAIL_RANGE = (14.0, 40.0)
 RINGS = (16.0, 8.0)
 """Radius of the ring around the worst place and around the others, pixels."""
+PLATE = 0.75
+"""Opacity of the ground behind a label that lies on the part."""
 RULERS = (20.0, 10.0, 5.0, 2.0)
 """Lengths, mm, of which the first that fits is drawn as a scale."""
 TILT = 0.38
@@ -73,22 +75,25 @@ def draw(path: Path, part: Solid, places: Sequence[tuple[float, float, float]], 
          caption: Caption) -> None:
     """Picture `part` with `places` (mm) marked to the PNG at `path`; `label` stands beside the first.
 
+    Without a place the whole part is shown, cut through its middle, and nothing is marked.
+
     Raises:
         EngineError: this machine cannot draw off screen.
     """
     vertices, faces, colour = part
     lines = [line for text in caption.paragraphs for line in textwrap.wrap(text, LETTERS)]
     height = HIGH + 2 * PAD + LINE * (len(lines) + 1)
-    mark, worst = COLOURS[caption.severity], np.array(places[0])
-    surface = Surface(vertices, faces)
+    mark, surface = COLOURS[caption.severity], Surface(vertices, faces)
+    worst = np.array(places[0]) if places else (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
     whole, slice_ = _views(surface, worst)
     plotter = preview.canvas(height)
     middle = np.array([WIDTH / 2, height / 2, 0.0])
     for points, triangles, tint in ((whole.onto(vertices), faces, colour), *_sliced(part, slice_, worst)):
         preview.add(plotter, points - middle, triangles, tint)
-    _mark(plotter, whole, places, mark)
-    _mark(plotter, slice_, places[:1], mark)
-    _label(plotter, whole.onto(worst)[:2], label, mark)
+    if places:
+        _mark(plotter, whole, places, mark)
+        _mark(plotter, slice_, places[:1], mark)
+        _label(plotter, whole.onto(worst)[:2], label, mark)
     _ruler(plotter, slice_)
     preview.caption(plotter, caption.heading, (PAD, height - PAD - LINE / 2), colour=mark, centred=False)
     for row, line in enumerate(lines):
@@ -96,6 +101,11 @@ def draw(path: Path, part: Solid, places: Sequence[tuple[float, float, float]], 
                         centred=False)
     preview.light(plotter, np.eye(3), height)
     preview.save(plotter, path)
+
+
+def figure(value: float, unit: str) -> str:
+    """A measured value as a label: 0.41 mm, 27.9 deg; shares and counts without a unit."""
+    return f"{value:.3g}" if unit in ("1", "faults") else f"{value:.3g} {unit}"
 
 
 def _views(surface: Surface, place: np.ndarray) -> tuple[View, View]:
@@ -164,15 +174,25 @@ def _sliced(part: Solid, view: View, place: np.ndarray) -> list[Solid]:
     low = np.array([SPLIT, view.centre[1] - size / 2, -size])
     solid = Manifold(Mesh(flat.astype(np.float32), faces.astype(np.uint32)))
     if solid.status() != Error.NoError:
-        # Not closed: what lies beyond is shown without its cut.
-        within = ((flat >= low) & (flat <= low + size)).all(axis=1)
-        return [(flat, faces[within[faces].all(axis=1)], colour)]
+        return _beyond(flat, faces, low, size, colour)
     box = Manifold.cube((size, size, size)).translate(low.tolist())
     cut = (solid ^ box).to_mesh()
     points, triangles = cut.vert_properties[:, :3].astype(float), cut.tri_verts.astype(int)
     # The box's near face passes through the place, at depth 0.
     front = (np.abs(points[triangles][:, :, 2]) < 1e-2).all(axis=1)
     return [(points, triangles[rows], tint) for rows, tint in ((~front, colour), (front, CUT)) if rows.any()]
+
+
+def _beyond(points: np.ndarray, faces: np.ndarray, low: np.ndarray, size: float, colour: Colour
+            ) -> list[Solid]:
+    """Triangles cut to the box of `size` at `low`: what is not closed has no inside to show."""
+    import trimesh
+
+    inward = np.vstack([np.eye(3), -np.eye(3)])
+    corners = np.vstack([np.tile(low, (3, 1)), np.tile(low + size, (3, 1))])
+    kept = trimesh.intersections.slice_mesh_plane(
+        trimesh.Trimesh(points, faces, process=False), inward, corners)
+    return [(kept.vertices, kept.faces, colour)] if len(kept.faces) else []
 
 
 def _mark(plotter, view: View, places: Sequence[tuple[float, float, float]], colour: Colour) -> None:
@@ -191,7 +211,7 @@ def _label(plotter, at: np.ndarray, text: str, colour: Colour) -> None:
     aside = np.array([1.0 if at[0] < SPLIT / 2 else -1.0, 1.0 if at[1] < HIGH / 2 else -1.0])
     start, end = at + 0.75 * RINGS[0] * aside, at + 4.0 * RINGS[0] * aside
     _line(plotter, np.array([start, end]), colour, 2.0)
-    preview.caption(plotter, text, tuple(end + aside * (0.0, LINE / 2)), colour=colour)
+    preview.caption(plotter, text, tuple(end + aside * (0.0, LINE / 2)), colour=colour, plate=PLATE)
 
 
 def _ruler(plotter, view: View) -> None:
