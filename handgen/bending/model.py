@@ -76,9 +76,9 @@ class BendModel(Model):
         "material as parameter files call it -> set of the library, or a set of its own", min_length=1)
     bulk_ratio: BulkRatio = item("bulk over shear modulus", default_factory=BulkRatio)
     friction: float = quantity(
-        "1", 0, 2, "Coulomb's coefficient between actuator and bore, along the axis", default=0.25,
-        assumed="silicone on TPU, not measured; without any the finger folds near 70 kPa, with 0.2-0.3 it "
-                "reaches 100 kPa as the source's did")
+        "1", 0, 2, "Coulomb's coefficient between actuator and bore, along the axis", default=0.8,
+        assumed="silicone on TPU, not measured; dry silicone rubber slides at 1 and more, dust and release "
+                "agent take some of it; with less than 0.3 the finger folds below 100 kPa")
     bonded: bool = item("the actuator sticks to the bore: no model of a hand, for comparison", default=False)
     held_length: float | None = quantity(
         "mm", 0, 40, "over which plug and collar hold the actuator's base; null: the plug's length",

@@ -1,11 +1,11 @@
 """Sliding contact of the actuator with the bones' bores, and of the finger with a plane.
 
-A bone is rigid, so its bore is known in closed form: a node at x, seen from the bone's frame at s, is
+A bone is rigid, so its bore is known in closed form: a point at x, seen from the bone's frame at s, is
 inside by the gap g = r(s_x) + rim(s_x) - |(s_y, s_z)|. Beyond its slot's edge the bore opens like a rim of
-radius RIM, so that a node slides on and off without a jump; the tip's face meets the flat end of the last
+radius RIM, so that a point slides on and off without a jump; the tip's face meets the flat end of the last
 bone's bore. The gap costs the energy area W(g) with a stiffness PENALTY and a rounded onset of width
-SOFT; its Hessian is exact, in the node's three unknowns and the bone's three: the list of pairs, and with it
-the matrix's pattern, never changes.
+SOFT; its Hessian is exact, in the point's three coordinates and the bone's three unknowns: the list of pairs,
+and with it the matrix's pattern, never changes. Points lie between two nodes each (`mesh.ActuatorMesh`).
 
 Friction acts along the axis: an elastic bond of stick length STICK that is dragged along once it is
 stretched (P. R. Dahl, 1968): energy mu N (sqrt(d^2 + STICK^2) - STICK) with d the way of s_x from the
@@ -107,23 +107,47 @@ def add_turning(slope, gx, gz, k):
 
 
 @njit(cache=True)
-def add_contact(x, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin, angle, states,
+def between(x, nodes, share, point):
+    """Write the place of a point that has its `share` (2,) in two `nodes`."""
+    for i in range(3):
+        point[i] = share[0] * x[nodes[0], i] + share[1] * x[nodes[1], i]
+
+
+@njit(cache=True)
+def scatter_pair(share, fe, ke, dofs, place, force, matrix):
+    """Add a pair's forces (2, 3), on point and bone, and stiffness (6, 6) to its two nodes and its bone."""
+    for a in range(9):
+        if dofs[a] < 0:
+            continue
+        i = a % 3 if a < 6 else a - 3
+        own = share[a // 3] if a < 6 else 1.0
+        force[dofs[a]] += own * fe[i // 3, i % 3]
+        for b in range(9):
+            where = place[a, b]
+            if where >= 0:
+                other = share[b // 3] if b < 6 else 1.0
+                matrix[where] += own * other * ke[i, b % 3 if b < 6 else b - 3]
+
+
+@njit(cache=True)
+def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high, pivot, origin, angle, states,
                 friction, anchors, normal, lagged, pressed, dragged, exact, grip, dofs, place, force, matrix):
     """Add all pairs' forces and tangent; returns their energy.
 
-    nodes, bodies, kinds, area (k,): pairs of a node and a bone, what of the bone it meets, mm2 for it;
-    pieces: of the bore; low, high (b,): where each bone ends; anchors (k,) where friction's bonds are
-    fixed, NaN: nowhere. Writes the normal forces `normal` (k,), N; `lagged` are those that rub, `pressed`
+    nodes, shares (k, 2), bodies, kinds, area (k,): pairs of a point and a bone, what of the bone it meets,
+    mm2 for it; pieces: of the bore; low, high (b,): where each bone ends; anchors (k,) where friction's bonds
+    are fixed, NaN: nowhere. Writes the normal forces `normal` (k,), N; `lagged` are those that rub, `pressed`
     the extrapolated ones, which the geometric stiffness takes unless `exact`, as `dragged` are the bonds'
     extrapolated directions; grip, mm: surfaces count as so much closer than they are.
     """
-    s, slope, g, step = np.empty(3), np.empty((3, 6)), np.empty(3), np.empty(6)
+    s, slope, g, step, at = np.empty(3), np.empty((3, 6)), np.empty(3), np.empty(6), np.empty(3)
     fe, ke = np.empty((2, 3)), np.empty((6, 6))
     energy = 0.0
     for e in range(len(nodes)):
         b = bodies[e]
         normal[e] = 0.0
-        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        between(x, nodes[e], shares[e], at)
+        seen(at, pivot[b], origin[b], angle[b], states[b], s, slope)
         ke[:] = 0.0
         fe[:] = 0.0
         touched = False
@@ -175,19 +199,20 @@ def add_contact(x, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, 
                         ke[i, j] += f2 * slope[0, i] * slope[0, j]
                 add_turning(slope, f1, 0.0, ke)
         if touched:
-            scatter(dofs[e], place[e], fe, ke, force, matrix)
+            scatter_pair(shares[e], fe, ke, dofs[e], place[e], force, matrix)
     return energy
 
 
 @njit(cache=True)
-def add_bonds(x, nodes, bodies, area, rest, pivot, origin, angle, states, dofs, place, force, matrix):
-    """Springs of PENALTY that hold nodes to their places `rest` (k, 3) in the bones' straight frames."""
-    s, slope, off = np.empty(3), np.empty((3, 6)), np.empty(3)
+def add_bonds(x, nodes, shares, bodies, area, rest, pivot, origin, angle, states, dofs, place, force, matrix):
+    """Springs of PENALTY that hold points to their places `rest` (k, 3) in the bones' straight frames."""
+    s, slope, off, at = np.empty(3), np.empty((3, 6)), np.empty(3), np.empty(3)
     fe, ke = np.empty((2, 3)), np.empty((6, 6))
     energy = 0.0
     for e in range(len(nodes)):
         b, k = bodies[e], PENALTY * area[e]
-        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        between(x, nodes[e], shares[e], at)
+        seen(at, pivot[b], origin[b], angle[b], states[b], s, slope)
         fe[:] = 0.0
         ke[:] = 0.0
         for n in range(3):
@@ -198,20 +223,22 @@ def add_bonds(x, nodes, bodies, area, rest, pivot, origin, angle, states, dofs, 
                 for j in range(6):
                     ke[i, j] += k * slope[n, i] * slope[n, j]
         add_turning(slope, k * off[0], k * off[2], ke)
-        scatter(dofs[e], place[e], fe, ke, force, matrix)
+        scatter_pair(shares[e], fe, ke, dofs[e], place[e], force, matrix)
     return energy
 
 
 @njit(cache=True)
-def extrapolate_contact(x, moved, turned, nodes, bodies, kinds, area, swell, pieces, low, high, pivot, origin,
-                        angle, states, anchors, pressed, dragged):
+def extrapolate_contact(x, moved, turned, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
+                        pivot, origin, angle, states, anchors, pressed, dragged):
     """Write the normal forces after the nodes' step `moved` (N, 3) and the bones' `turned` (b, 3), to first
     order, never below 0, and the directions of friction's bonds, -1 to 1."""
-    s, slope, step = np.empty(3), np.empty((3, 6)), np.empty(6)
+    s, slope, step, at = np.empty(3), np.empty((3, 6)), np.empty(6), np.empty(3)
     for e in range(len(nodes)):
         b = bodies[e]
-        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
-        step[:3], step[3:] = moved[nodes[e]], turned[b]
+        between(x, nodes[e], shares[e], at)
+        seen(at, pivot[b], origin[b], angle[b], states[b], s, slope)
+        between(moved, nodes[e], shares[e], at)
+        step[:3], step[3:] = at, turned[b]
         if kinds[e] == FACE:
             gap, grown = high[b] - s[0], -np.sum(slope[0] * step)
         else:
@@ -229,15 +256,16 @@ def extrapolate_contact(x, moved, turned, nodes, bodies, kinds, area, swell, pie
 
 
 @njit(cache=True)
-def drag(x, nodes, bodies, kinds, normal, pivot, origin, angle, states, anchors):
+def drag(x, nodes, shares, bodies, kinds, normal, pivot, origin, angle, states, anchors):
     """Move the anchors of friction after an accepted step: a stretched bond follows, a free one lets go."""
-    s, slope = np.empty(3), np.empty((3, 6))
+    s, slope, at = np.empty(3), np.empty((3, 6)), np.empty(3)
     for e in range(len(nodes)):
         if kinds[e] != BORE or normal[e] <= 0.0:
             anchors[e] = np.nan
             continue
         b = bodies[e]
-        seen(x[nodes[e]], pivot[b], origin[b], angle[b], states[b], s, slope)
+        between(x, nodes[e], shares[e], at)
+        seen(at, pivot[b], origin[b], angle[b], states[b], s, slope)
         if np.isnan(anchors[e]):
             anchors[e] = s[0]
         elif s[0] - anchors[e] > 2 * STICK:

@@ -44,9 +44,11 @@ class ActuatorMesh:
     chamber: np.ndarray
     """(f, 4) faces of the chamber, seen from inside counterclockwise (their normals point outwards)."""
     outside: np.ndarray
-    """(o,) nodes of the lateral surface."""
+    """(o, 2) nodes before and behind points of the lateral surface, and ..."""
+    outside_share: np.ndarray
+    """(o, 2) ... their shares in them."""
     outside_area: np.ndarray
-    """(o,) area, mm2, of the half surface that each stands for."""
+    """(o,) area, mm2, of the half surface that each point stands for."""
     face: np.ndarray
     """(t,) nodes of the tip's face."""
     face_area: np.ndarray
@@ -84,7 +86,7 @@ class _Rings:
         self.around = AROUND * fine
         self.layers = sum(WALL) * fine
         chamber, tip = profile.small_core_end, profile.length - profile.small_core_end
-        base = np.linspace(0.0, held, max(1, round(held / EDGE)) + 1)[:-1]
+        base = np.linspace(0.0, held, max(1, round(held / EDGE)) + 1)[:-1] if held > 0 else []
         cap = np.linspace(chamber, profile.length, max(1, round(tip / TIP_EDGE)) * fine + 1)[1:]
         self.x = np.concatenate([base, graded(held, chamber, fine), cap])
         self.cap = len(self.x) - 1 - len(cap)
@@ -176,15 +178,19 @@ class _Rings:
         return np.vstack([tube, square.reshape(-1, 4), ring])
 
     def _outside(self, radii: np.ndarray):
-        """Nodes of the lateral surface and the real area that each stands for."""
-        stations, places = len(self.x), self.around + 1
-        i, k = np.meshgrid(np.arange(stations), np.arange(places), indexing="ij")
-        along = np.gradient(self.x)
-        along[[0, -1]] /= 2
-        share = np.full(places, math.pi / self.around)
+        """Points on the lateral surface's lines along the axis: two an element, where Gauss has his.
+
+        Nodes alone would stand too far apart, once stretched, to slide around a slot's edge without a jerk.
+        """
+        share = np.full(self.around + 1, math.pi / self.around)
         share[[0, -1]] /= 2
-        area = (along * radii[:, -1] / self.swell)[:, None] * share
-        return self.node(i, self.layers, k).ravel(), area.ravel()
+        i, k, g = np.meshgrid(np.arange(len(self.x) - 1), np.arange(self.around + 1), np.arange(2),
+                              indexing="ij")
+        ahead = (1 + np.array([-1.0, 1.0]) / math.sqrt(3)) / 2
+        area = np.diff(self.x)[i] / 2 * share[k] / self.swell * (
+            (1 - ahead[g]) * radii[i, -1] + ahead[g] * radii[i + 1, -1])
+        nodes = np.stack([self.node(i, self.layers, k), self.node(i + 1, self.layers, k)], -1)
+        return nodes.reshape(-1, 2), np.stack([1 - ahead[g], ahead[g]], -1).reshape(-1, 2), area.ravel()
 
     def _face(self, grid: Grid, number: np.ndarray):
         """Nodes of the tip's face and their areas."""

@@ -234,27 +234,22 @@ class System:
 
     def _pairs(self) -> None:
         """Pairs of contact: actuator and bones; and the points of the bones that may meet the plane."""
-        nodes, bodies, kinds, areas = [], [], [], []
+        found = [(np.zeros((0, 2), int), np.zeros((0, 2)), np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
         if self.actuator and self.exoskeleton:
             a, bones = self.actuator, self.bones
-            x = a.grid.nodes[a.outside, 0]
-            movable = (self.node_dofs[a.outside] >= 0).any(axis=1)
+            x = (a.grid.nodes[a.outside, 0] * a.outside_share).sum(axis=1)
+            movable = (self.node_dofs[a.outside] >= 0).any(axis=(1, 2))
+            ahead, back = (0.0, 0.0) if self.case.contact.bonded else (
+                REACH_ON * np.maximum(x - self.case.held, 0.0), REACH_BACK)
             for b in range(len(bones.start)):
-                ahead, back = (0.0, 0.0) if self.case.contact.bonded else (
-                    REACH_ON * np.maximum(x - self.case.held, 0.0), REACH_BACK)
                 near = movable & (x + ahead >= bones.start[b]) & (x - back <= bones.end[b])
-                nodes.append(a.outside[near])
-                bodies.append(np.full(near.sum(), b))
-                kinds.append(np.full(near.sum(), contact.BORE))
-                areas.append(a.outside_area[near])
-            nodes.append(a.face)
-            bodies.append(np.full(len(a.face), len(bones.start) - 1))
-            kinds.append(np.full(len(a.face), contact.FACE))
-            areas.append(a.face_area)
-        none = np.zeros(0, int)
-        self.pair_nodes, self.pair_bodies, self.pair_kinds = (
-            np.concatenate(v) if v else none for v in (nodes, bodies, kinds))
-        self.pair_areas = np.concatenate(areas) if areas else np.zeros(0)
+                found.append((a.outside[near], a.outside_share[near], np.full(near.sum(), b),
+                              np.full(near.sum(), contact.BORE), a.outside_area[near]))
+            alone = np.array([1.0, 0.0]) * np.ones((len(a.face), 1))
+            found.append((np.stack([a.face, a.face], -1), alone, np.full(len(a.face), len(bones.start) - 1),
+                          np.full(len(a.face), contact.FACE), a.face_area))
+        self.pair_nodes, self.pair_shares, self.pair_bodies, self.pair_kinds, self.pair_areas = (
+            np.concatenate(v) for v in zip(*found, strict=True))
         self.anchors = np.full(len(self.pair_nodes), np.nan)
         self.normal = np.zeros(len(self.pair_nodes))
         self.pressed = np.zeros(len(self.pair_nodes))
@@ -295,7 +290,7 @@ class System:
         diagonals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
         self.largest_face = float(np.linalg.norm(diagonals, axis=1).max() / 2) if len(self.faces) else 0.0
         self._wind(moving)
-        pairs = np.hstack([self.dofs[self.pair_nodes], self.body_dofs[self.pair_bodies]])
+        pairs = np.hstack([self.dofs[self.pair_nodes].reshape(-1, 6), self.body_dofs[self.pair_bodies]])
         plane = self.body_dofs[self.plane_bodies]
         groups += [self.dofs[self.threads].reshape(-1, 6), self.dofs[self.faces].reshape(-1, 12), pairs,
                    plane, self.body_dofs]
@@ -335,12 +330,13 @@ class System:
                 exact, *self.groups["threads"], force, matrix)
         if self.case.contact.bonded and len(self.pair_nodes):
             energy += contact.add_bonds(
-                x, self.pair_nodes, self.pair_bodies, self.pair_areas,
-                self.actuator.grid.nodes[self.pair_nodes], *self._bone_arrays[2:], self.bone_states(q),
+                x, *self._points, self.pair_areas,
+                (self.actuator.grid.nodes[self.pair_nodes] * self.pair_shares[:, :, None]).sum(axis=1),
+                *self._bone_arrays[2:], self.bone_states(q),
                 *self.groups["pairs"], force, matrix)
         elif len(self.pair_nodes):
             energy += contact.add_contact(
-                x, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
+                x, *self._points, self.pair_kinds, self.pair_areas,
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
                 self.case.contact.friction, self.anchors, self.normal, self.rubbing, self.pressed,
                 self.dragged, exact, self.grip, *self.groups["pairs"], force, matrix)
@@ -383,6 +379,11 @@ class System:
         """`work(number)` of every thread."""
         numbers = range(self.threads_count)
         return list(self.pool.map(work, numbers)) if self.pool else [work(0)]
+
+    @property
+    def _points(self):
+        """What contact's pairs consist of: nodes and shares of the points, and bones."""
+        return self.pair_nodes, self.pair_shares, self.pair_bodies
 
     @property
     def _pieces(self) -> np.ndarray:
@@ -462,12 +463,12 @@ class System:
         if len(self.pair_nodes) and not self.case.contact.bonded:
             turned = np.where(self.body_dofs >= 0, step[self.body_dofs], 0.0)
             contact.extrapolate_contact(
-                x, moved, turned, self.pair_nodes, self.pair_bodies, self.pair_kinds, self.pair_areas,
+                x, moved, turned, *self._points, self.pair_kinds, self.pair_areas,
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
                 self.anchors, self.pressed, self.dragged)
 
     def accept(self, q: np.ndarray) -> None:
         """Friction's bonds follow an accepted state."""
         if len(self.pair_nodes) and self.case.contact.friction > 0:
-            contact.drag(self.positions(q), self.pair_nodes, self.pair_bodies, self.pair_kinds, self.normal,
+            contact.drag(self.positions(q), *self._points, self.pair_kinds, self.normal,
                          *self._bone_arrays[2:], self.bone_states(q), self.anchors)
