@@ -38,8 +38,10 @@ format: $(READY)  ## mend what style can mend by itself
 bench: $(READY)  ## time the build (prints a table)
 	$(BIN)/python -m tests.benchmarks.build
 
-pictures: hand  ## renew the README's pictures from the previews of the adult hand
+pictures: hand  ## renew the README's pictures from the previews of the shipped hands
 	cp $(foreach p,hand_palm hand_dorsum hand_side actuators tooling_index,outputs/adult/previews/$(p).png) docs/
+	-$(BIN)/handgen check params/thesis_hand.yaml --quiet  # it fails, as it should
+	cp outputs/thesis_hand/checks/previews/*_thumb.palm-stiffness_*.png docs/finding.png
 
 clean:  ## remove .venv and caches; outputs/ stays
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis .import_linter_cache *.egg-info

@@ -27,7 +27,7 @@ MARGIN, GAP, LINE = 32, 28, 36
 """Around the sheet, between cells, and the height of a label, pixels."""
 INK: Colour = (0.15, 0.15, 0.18)
 """Of what is written."""
-SHARP = 35.0
+SHARP = 22.0
 """Edges that turn by more than this, deg, stay edges in the shading."""
 PACKAGES = "libegl1 libgl1-mesa-dri"
 """Debian packages that draw without a display or a graphics card."""
