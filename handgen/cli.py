@@ -140,10 +140,9 @@ def _bend(arguments: argparse.Namespace, output: Output) -> int:
     folder = bending.write(found, arguments.out, output.note)
     document = found.document
     output.result(document, tables.bent(document, found.reached, str(folder), output.style))
-    if not found.complete:
+    if not found.complete and (output.as_json or output.quiet):
         print(f"handgen: {found.reached}", file=output.people)
-        return ENGINE
-    return PASSED
+    return PASSED if found.complete else ENGINE
 
 
 # measure

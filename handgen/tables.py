@@ -46,24 +46,26 @@ def _figure(value: float | None) -> str:
     return "" if value is None else f"{value:.4g}"
 
 
-COLUMNS = {"pressure_kPa": "kPa", "tip_load_N": "weight, N", "tip_drop_mm": "drop, mm",
-           "bend_angle_deg": "bend, deg", "elongation_mm": "longer, mm", "tip_force_N": "force, N",
-           "max_stretch": "stretch"}
-"""Keys of a bend's points and their heads; those that hold nothing are left out."""
+COLUMNS = {"pressure_kPa": ("kPa", "g"), "tip_load_N": ("weight, N", "g"), "tip_drop_mm": ("drop, mm", ".1f"),
+           "bend_angle_deg": ("bend, deg", ".1f"), "elongation_mm": ("longer, mm", ".1f"),
+           "tip_force_N": ("force, N", ".3f"), "max_stretch": ("stretch", ".2f")}
+"""Keys of a bend's points, their heads and formats; those that hold nothing are left out."""
 
 
 def bent(document: dict[str, Any], reached: str, folder: str, style: Style) -> str:
     """A line a point, what is to be known of it behind, then how far it went and where the files are."""
     points = document["points"]
-    load = "tip_load_N" if document["part"] == "exoskeleton" else "pressure_kPa"
-    shown = [key for key in COLUMNS if key == load or any(point[key] for point in points)]
-    lines = ["".join(f"{COLUMNS[key]:>12}" for key in shown)]
+    bare = document["part"] == "exoskeleton"
+    silent = {"pressure_kPa"} if bare else set() if any(p["tip_load_N"] for p in points) else {"tip_load_N"}
+    shown = [key for key in COLUMNS if key not in silent and any(p[key] is not None for p in points)]
+    lines = ["".join(f"{COLUMNS[key][0]:>12}" for key in shown)]
     for point in points:
+        cells = ("" if point[key] is None else f"{point[key]:{COLUMNS[key][1]}}" for key in shown)
         words = "; ".join(filter(None, [point["note"], *point["flags"]]))
-        row = "".join(f"{_figure(point[key]):>12}" for key in shown)
-        lines.append(f"{row}  {words}" if point["converged"] else style(f"{row}  {words}", COLOURS["fail"]))
+        row = ("".join(f"{cell:>12}" for cell in cells) + f"  {words}").rstrip()
+        lines.append(row if point["converged"] else style(row, COLOURS["fail"]))
     complete = all(point["converged"] for point in points)
-    lines += ["", *document["notes"]] if document["notes"] else [""]
+    lines += ["", *document["notes"], ""] if document["notes"] else [""]
     spent = "solved before" if document["cached"] else (
         f"{document['factorisations']} factorisations of {document['unknowns']} unknowns,"
         f" {document['wall_s']:.1f} s")

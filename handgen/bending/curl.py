@@ -21,6 +21,8 @@ COLOURS = "YlOrRd"
 INK = "#26262e"
 SHARP = 30.0
 """Edges that turn by more than this, deg, are drawn."""
+AMBIENT = 0.4
+"""Share of the light that comes from everywhere: a colour is read, also inside a bore."""
 LEAST_RANGE = 0.05
 """Of stretch: a finger that is hardly strained is not shown in all colours."""
 
@@ -40,19 +42,22 @@ def draw(path: Path, curve: Curve, states: Sequence[State], labels: Sequence[str
     scale, height, places = preview.layout([(low, high)] * len(states), min(COLUMNS, len(states)))
     height += BAR
     most = max(float(s.max()) for state in states for s in state.stretch.values())
-    plotter = preview.canvas(height)
+    plotter, coloured = preview.canvas(height), None
     for state, label, (centre, (left, below)) in zip(states, labels, places, strict=True):
         centre, below = centre + np.array([0, BAR]), below + BAR
         shift = ((centre - np.array([preview.WIDTH, height]) / 2) / scale - (low + high) / 2) @ axes[:2]
         for body, positions in state.positions.items():
             mesh = pyvista.PolyData.from_regular_faces(positions + shift, surfaces[body].triangles)
             mesh.cell_data["stretch"] = state.stretch[body][surfaces[body].owner]
-            plotter.add_mesh(mesh, scalars="stretch", clim=(1.0, max(most, 1.0 + LEAST_RANGE)), cmap=COLOURS,
-                             show_scalar_bar=False, specular=0.1)
+            coloured = plotter.add_mesh(
+                mesh.compute_normals(split_vertices=True, feature_angle=SHARP, auto_orient_normals=False,
+                                     consistent_normals=False),
+                scalars="stretch", clim=(1.0, max(most, 1.0 + LEAST_RANGE)), cmap=COLOURS,
+                show_scalar_bar=False, interpolation="gouraud", ambient=AMBIENT, diffuse=1.0 - AMBIENT)
             lines = mesh.extract_feature_edges(SHARP, manifold_edges=False, non_manifold_edges=False)
             plotter.add_mesh(lines, color=INK, line_width=1.2)
         preview.caption(plotter, label, (left, below))
-    plotter.add_scalar_bar("", n_labels=5, fmt="%.2f", color=INK, label_font_size=20, width=BAR_WIDE,
+    plotter.add_scalar_bar("", mapper=coloured.mapper, n_labels=5, fmt="%.2f", color=INK, label_font_size=20, width=BAR_WIDE,
                            height=BAR_HIGH / height, position_x=(1 - BAR_WIDE) / 2, position_y=8 / height)
     preview.caption(plotter, "largest principal stretch", (preview.WIDTH / 2, BAR_HIGH + 30))
     preview.light(plotter, axes, height / scale)

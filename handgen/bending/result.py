@@ -100,17 +100,15 @@ def point(request: Request, state: State) -> dict[str, Any]:
 
 def flags(request: Request, state: State) -> Iterator[str]:
     """Where the strain goes beyond what the law of a body was fitted on."""
-    for body, choice in request.choices.items():
-        if body in state.stretch:
-            most = float(state.stretch[body].max())
-        elif state.max_stretch is not None:
-            most = state.max_stretch
-        else:
-            continue
+    known = {body: float(stretch.max()) for body, stretch in state.stretch.items()}
+    if not known and state.max_stretch is not None:
+        known = dict.fromkeys(request.choices, state.max_stretch)  # it may be any body's
+    for body, most in known.items():
+        choice = request.choices[body]
         fitted = choice.parameters.strain[1]
         if most - 1.0 > fitted:
-            yield (f"{body}: strain {100 * (most - 1):.0f} % is beyond the {100 * fitted:.0f} % that "
-                   f"{choice.name} was fitted on")
+            yield (f"{body} strained {100 * (most - 1):.0f} %; {choice.name} rests on data up to "
+                   f"{100 * fitted:.0f} %")
 
 
 def judged(request: Request, curve: object) -> Curve:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -15,6 +16,12 @@ import numpy as np
 from handgen.bending.surface import surface, whole
 from handgen.export import stl
 from handgen.simulation.case import Curve, State
+
+if TYPE_CHECKING:
+    from handgen.geometry.mesh_kernel import Triangles
+
+OVERLAP = 1e-4
+"""Growth of a piece before it is united with what it touches: about a micrometre."""
 
 
 def shaped(curve: Curve) -> list[State]:
@@ -45,18 +52,40 @@ def write_states(curve: Curve, folder: Path, labels: Sequence[str]) -> None:
 
 
 def write_stl(curve: Curve, path: Path) -> None:
-    """The finger in its last shape, both halves, every body a closed surface, mm."""
+    """The finger in its last shape, both halves, every body one closed surface, mm."""
     from handgen.geometry.mesh_kernel import Triangles
 
     state = shaped(curve)[-1]
-    vertices, triangles, first = [], [], 0
+    vertices, faces, first = [], [], 0
     for body, positions in state.positions.items():
         grid = curve.grids[body]
-        points, faces = whole(grid, surface(grid), positions)
-        vertices.append(points)
-        triangles.append(faces + first)
-        first += len(points)
-    path.write_bytes(stl.to_bytes(Triangles(np.vstack(vertices), np.vstack(triangles))))
+        found = _closed(*whole(grid, surface(grid), positions))
+        vertices.append(found.vertices)
+        faces.append(found.faces + first)
+        first += len(found.vertices)
+    path.write_bytes(stl.to_bytes(Triangles(np.vstack(vertices), np.vstack(faces))))
+
+
+def _closed(vertices: np.ndarray, triangles: np.ndarray) -> Triangles:
+    """One closed body: meshes may be drawn in pieces that only touch, which no slicer joins.
+
+    Every piece grows about its middle by OVERLAP before they are united. What is then still apart is kept so.
+    """
+    from manifold3d import Manifold, Mesh64, OpType
+
+    from handgen.geometry.mesh_kernel import Triangles
+    from handgen.geometry.mesh_kernel import triangles as as_triangles
+
+    solid = Manifold(Mesh64(np.ascontiguousarray(vertices, float),
+                            np.ascontiguousarray(triangles, np.uint64)))
+    pieces = []
+    for piece in solid.decompose():
+        middle = np.mean(np.reshape(piece.bounding_box(), (2, 3)), axis=0)
+        pieces.append(piece.translate(-middle).scale((1.0 + OVERLAP,) * 3).translate(middle))
+    try:
+        return as_triangles(Manifold.batch_boolean(pieces, OpType.Add))
+    except ValueError:
+        return Triangles(np.asarray(vertices, np.float32), triangles)
 
 
 def _unstructured(curve: Curve, state: State):

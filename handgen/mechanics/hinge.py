@@ -91,9 +91,18 @@ def flexibility(sections: np.ndarray, length: float) -> np.ndarray:
 
 def opposition_angle(sheet: np.ndarray, pushers: Sequence[Pusher], pressure: float, modulus: float,
                      mu: float) -> float:
-    """Angle about the fold, deg, at `pressure`; `modulus` of the sheet, `mu` of the silicone, all MPa.
+    """Angle about the fold, deg, at `pressure`; arguments as those of `balance`."""
+    return math.degrees(balance(sheet, pushers, pressure, modulus, mu)[1])
 
-    `sheet` is its `flexibility`.
+
+def balance(sheet: np.ndarray, pushers: Sequence[Pusher], pressure: float, modulus: float, mu: float,
+            start: np.ndarray | None = None) -> np.ndarray:
+    """q = (e mm, a rad, b rad) at `pressure`; `modulus` of the sheet, `mu` of the silicone, all MPa.
+
+    `sheet` is its `flexibility`; `start` a q nearby.
+
+    Raises:
+        ArithmeticError: no equilibrium was found.
     """
     from scipy.optimize import root
 
@@ -113,10 +122,10 @@ def opposition_angle(sheet: np.ndarray, pushers: Sequence[Pusher], pressure: flo
             total = total + bending * (1 + 3 * stretch**-4) * np.array([0.0, q[1], q[2]])
         return total
 
-    found = root(force, np.zeros(3), tol=1e-10)
+    found = root(force, np.zeros(3) if start is None else start, tol=1e-10)
     if not found.success:
         raise ArithmeticError(f"no equilibrium of the hinge: {found.message}")
-    return math.degrees(found.x[1])
+    return found.x
 
 
 def turned_out(direction: Sequence[float], elevation: float) -> float:
