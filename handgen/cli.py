@@ -108,21 +108,23 @@ def _check(arguments: argparse.Namespace, output: Output) -> int:
 
 def _bend_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
-    parser.add_argument("--finger", default="index", metavar="NAME", help="which finger (index)")
+    parser.add_argument("--finger", metavar="NAME", help="which finger (index)")
     parser.add_argument("--part", default="assembly", metavar="WHAT",
-                        help="assembly, exoskeleton or actuator (assembly)")
+                        help="assembly, exoskeleton, actuator, or opposition: the angle of the thumb's hinge "
+                             "(assembly)")
     parser.add_argument("--pressures", nargs="+", metavar="KPA",
                         help="start:end:step or a list, kPa, rising (0:100:10)")
     parser.add_argument("--tip-loads", nargs="+", metavar="N", help="weights that hang on the fingertip")
-    parser.add_argument("--orientation", default="palm_down", metavar="HOW",
+    parser.add_argument("--orientation", metavar="HOW",
                         help="palm_down, palm_up, sideways or weightless (palm_down)")
     parser.add_argument("--obstacle", metavar="MM",
                         help="a rigid plane so far below the palm side: gives the fingertip's force")
     parser.add_argument("--model", metavar="FILE",
                         help="materials and friction: a name of params/models or a file (the first there "
                              "is of calibrated, literature)")
-    parser.add_argument("--solver", default="solid", metavar="NAME",
-                        help="solid, reference, or one that another package brings (solid)")
+    parser.add_argument("--solver", metavar="NAME",
+                        help="solid, reference, or one that another package brings (solid); section for the "
+                             "opposition")
     parser.add_argument("--refine", default="0", metavar="N", help="0 to 3: each halves the elements (0)")
     parser.add_argument("--no-cache", dest="keep", action="store_false",
                         help="solve even what was solved before, and keep nothing")

@@ -66,9 +66,9 @@ def bent(document: dict[str, Any], reached: str, folder: str, style: Style) -> s
         lines.append(row if point["converged"] else style(row, COLOURS["fail"]))
     complete = all(point["converged"] for point in points)
     lines += ["", *document["notes"], ""] if document["notes"] else [""]
+    work = f"{document['factorisations']} factorisations of " if document["factorisations"] else ""
     spent = "solved before" if document["cached"] else (
-        f"{document['factorisations']} factorisations of {document['unknowns']} unknowns,"
-        f" {document['wall_s']:.1f} s")
+        f"{work}{document['unknowns']} unknowns, {document['wall_s']:.1f} s")
     verdict = style(reached, COLOURS["pass" if complete else "fail"])
     return "\n".join([*lines, f"{document['name']} {document['finger']}: {verdict}; {spent}; see {folder}"])
 

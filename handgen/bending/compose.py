@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from handgen.bending.model import BendModel, Choice
+from handgen.bending.opposition import HingeCase, secant_modulus
+from handgen.bending.strength import tearing_pressure
 from handgen.errors import GeometryError, InputError, Problem
 from handgen.geometry.actuator import profile_of, refuse_forbidden, thread_key
 from handgen.geometry.profile import ActuatorProfile, FingerProfile
 from handgen.materials import library
+from handgen.mechanics.hinge import Pusher, flexibility
 from handgen.parameters.load import Loaded
 from handgen.simulation.case import Substance, Winding
 
@@ -24,6 +27,8 @@ class Composer:
     loaded: Loaded
     model: BendModel
     model_file: str
+    pressures: tuple[float, ...] = ()
+    """MPa."""
     problems: list[Problem] = field(default_factory=list)
 
     def material(self, body: str) -> tuple[str, str]:
@@ -104,6 +109,58 @@ class Composer:
         if asked >= profile.small_core_end:
             self._say(file, path, asked, "holds all of the chamber", f"below {profile.small_core_end:.2f} mm")
         return asked
+
+    def bears(self, name: str, profile: ActuatorProfile, winding: Winding | None, held: float,
+              substance: Substance | None) -> None:
+        """The silicone must not tear: see `strength.tearing_pressure`."""
+        silicone = self.loaded.hand.casting.silicone
+        if winding is None or substance is None or held >= profile.small_core_end or not self.pressures:
+            return
+        asked = max(self.pressures)
+        most = tearing_pressure(profile, winding.depth, held, substance.law, silicone.elongation / 100.0)
+        if asked > most:
+            self._say("command line", "--pressures", round(1e3 * asked, 6),
+                      f"is above the range of {silicone.name}: the wall of the actuator {name} would stretch"
+                      f" to its {silicone.elongation:g} % at break", f"0 to {1e3 * most:.0f} kPa")
+
+    def hinge(self) -> HingeCase | None:
+        """The thumb's hinge, its sheet left to `measured`; None if the hand or the model do not allow it."""
+        from handgen.geometry.thumb import Hinge
+
+        hand, pushers = self.loaded.hand, []
+        tpu, silicone = self.substance("exoskeleton"), self.substance("actuator")
+        for name, at in Hinge(hand).lines.items():
+            profile = self.actuator(name)
+            if profile is None:
+                continue
+            winding, held = self.winding(name, profile), self.held(profile)
+            self.bears(name, profile, winding, held, silicone)
+            if winding is not None:
+                end, middle = profile.small_core_end, (held + profile.small_core_end) / 2
+                pushers.append(Pusher(at, end - held, profile.small_core(middle),
+                                      profile.large_core(middle) + winding.depth, profile.outer(middle)))
+        if self.problems:
+            return None
+        return HingeCase((), tuple(pushers), 3.0 * tpu.law.shear_modulus, secant_modulus(silicone.law),
+                         self.pressures)
+
+    def measured(self, case: HingeCase) -> HingeCase:
+        """`case` with the sheet as it lies in the hand's mesh.
+
+        Raises:
+            InputError: the hand cannot be made.
+        """
+        from handgen.checks.thumb import hinge_sections
+        from handgen.geometry.hand import hand_part
+
+        hand = self.loaded.hand
+        try:
+            sections, _ = hinge_sections(hand, hand_part(hand).triangles)
+        except GeometryError as error:
+            self._say(str(self.loaded.file), error.path, None, f"{error.part}: {error.message}")
+            raise InputError(self.problems) from error
+        sheet = flexibility(sections, hand.opposition.free_length)
+        return replace(case, sheet=tuple(tuple(map(float, row)) for row in sheet))
 
     def _say(self, file: str, path: str, value: object, message: str, allowed: str | None = None) -> None:
         self.problems.append(Problem(file, path, value, message, allowed))

@@ -57,8 +57,9 @@ def draw(path: Path, curve: Curve, states: Sequence[State], labels: Sequence[str
             lines = mesh.extract_feature_edges(SHARP, manifold_edges=False, non_manifold_edges=False)
             plotter.add_mesh(lines, color=INK, line_width=1.2)
         preview.caption(plotter, label, (left, below))
-    plotter.add_scalar_bar("", mapper=coloured.mapper, n_labels=5, fmt="%.2f", color=INK, label_font_size=20, width=BAR_WIDE,
-                           height=BAR_HIGH / height, position_x=(1 - BAR_WIDE) / 2, position_y=8 / height)
+    plotter.add_scalar_bar("", mapper=coloured.mapper, n_labels=5, fmt="%.2f", color=INK, label_font_size=20,
+                           width=BAR_WIDE, height=BAR_HIGH / height, position_x=(1 - BAR_WIDE) / 2,
+                           position_y=8 / height)
     preview.caption(plotter, "largest principal stretch", (preview.WIDTH / 2, BAR_HIGH + 30))
     preview.light(plotter, axes, height / scale)
     plotter.screenshot(str(path))

@@ -30,7 +30,7 @@ def target(asked: Request, out: str | os.PathLike | None = None) -> Path:
     """The folder that a bend is written to: `<out>/bend/<finger>_<part>`, `out` by default `outputs/<hand>`.
 
     Raises:
-        InputError: it holds something that handgen did not write.
+        InputError: it holds something that handgen did not write, or cannot be written.
     """
     home = Path(out) if out is not None else Path("outputs") / asked.hand
     folder = home / FOLDER / f"{asked.finger}_{asked.part}"
@@ -38,6 +38,9 @@ def target(asked: Request, out: str | os.PathLike | None = None) -> Path:
         raise InputError([Problem("--out", "", str(folder),
                                   f"holds files and no {JSON} of handgen: not touched",
                                   "a new or empty folder, or one that `handgen bend` wrote")])
+    there = next(place for place in (folder.parent, *folder.parent.absolute().parents) if place.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise InputError([Problem("--out", "", str(there), "is no folder that can be written to")])
     return folder
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+from handgen.bending.opposition import PART as OPPOSITION
 from handgen.errors import Problem
+from handgen.parameters.fault import nearest
 from handgen.simulation.case import STANDARD_GRAVITY
 
 COMMAND_LINE = "command line"
@@ -18,16 +20,22 @@ HIGHEST = 150.0
 """kPa; half as much again as the source ever applied, and no law is fitted to what silicone does beyond."""
 HEAVIEST = 5.0
 """N; nine times the source's largest weight."""
+BEYOND = {"kPa": "is above the range that any silicone here is known for",
+          "N": "is more than a finger holds"}
+"""Why a number beyond these is refused."""
 FARTHEST = 200.0
 """mm; beyond every finger's reach."""
 POINTS = 1001
 """Most points of one curve."""
 
+LOOSE = {"actuator": "an actuator on its own", OPPOSITION: "the section model of the thumb's hinge"}
+"""Parts on which pressure alone acts."""
+WEIGHTLESS = "weightless"
 ORIENTATIONS = {
     "palm_down": (0.0, 0.0, -STANDARD_GRAVITY),
     "palm_up": (0.0, 0.0, STANDARD_GRAVITY),
     "sideways": (0.0, 0.0, 0.0),
-    "weightless": (0.0, 0.0, 0.0),
+    WEIGHTLESS: (0.0, 0.0, 0.0),
 }
 """Gravity that acts in the plane of bending, mm/s2."""
 SIDEWAYS = (
@@ -65,8 +73,8 @@ def tip_loads(given: Numbers, part: str, orientation: str, faults: Faults) -> tu
         return (0.0,)
     found = _numbers(given, option, faults)
     _in_order(found, option, "N", HEAVIEST, faults)
-    if part == "actuator":
-        faults.say(option, _shown(given), "an actuator on its own carries no weight",
+    if part in LOOSE:
+        faults.say(option, _shown(given), f"{LOOSE[part]} carries no weight",
                    "leave it out, or --part exoskeleton or assembly")
     elif part == "assembly" and len(found) > 1:
         faults.say(option, _shown(given), "an assembly bends under one weight at a time", "one weight, N")
@@ -86,9 +94,22 @@ def obstacle(given: float | str | None, part: str, faults: Faults) -> float | No
         faults.say(option, given, "is no number", allowed)
     elif not 0.0 < number <= FARTHEST:
         faults.say(option, number, "is no place for a plane", allowed)
-    if part == "actuator":
-        faults.say(option, given, "an actuator on its own meets no plane", "leave it out")
+    if part in LOOSE:
+        faults.say(option, given, f"{LOOSE[part]} meets no plane", "leave it out")
     return number
+
+
+def orientation(given: str, part: str, faults: Faults) -> tuple[float, float, float]:
+    """Gravity, mm/s2."""
+    option = "--orientation"
+    if given not in ORIENTATIONS:
+        faults.say(option, given, "there is none of this name", "one of " + ", ".join(ORIENTATIONS),
+                   nearest(given, ORIENTATIONS))
+        return ORIENTATIONS[WEIGHTLESS]
+    if part == OPPOSITION and given != WEIGHTLESS:
+        faults.say(option, given, "own weight is not in the section model of the hinge",
+                   f"leave it out, or {WEIGHTLESS}")
+    return ORIENTATIONS[given]
 
 
 def _numbers(given: Numbers, option: str, faults: Faults) -> list[float]:
@@ -144,8 +165,7 @@ def _in_order(found: Sequence[float], option: str, unit: str, most: float, fault
             faults.say(option, number, "is not finite", f"0 to {most:g} {unit}")
             continue
         if not 0.0 <= number <= most:
-            faults.say(option, number, "is negative" if number < 0 else "is too much",
-                       f"0 to {most:g} {unit}")
+            faults.say(option, number, "is negative" if number < 0 else BEYOND[unit], f"0 to {most:g} {unit}")
         if number <= before:
             faults.say(option, number, f"does not rise: it follows {before:g}",
                        f"{unit} in rising order, each once")
@@ -160,4 +180,4 @@ def _number(word: object) -> float | None:
 
 
 def _shown(given: Numbers) -> str:
-    return given if isinstance(given, str) else str(given)
+    return str(given) if isinstance(given, (str, int, float)) else " ".join(map(str, given or ()))

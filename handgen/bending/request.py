@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from handgen.bending import loads, solvers
-from handgen.bending.compose import Composer
+from handgen.bending import loads, opposition, solvers
+from handgen.bending.compose import BODIES, Composer
 from handgen.bending.loads import Faults, Numbers
 from handgen.bending.model import Choice, default_name, load_model
+from handgen.bending.opposition import HingeCase
 from handgen.errors import InputError, Problem
 from handgen.parameters.fault import nearest
 from handgen.parameters.load import Loaded, load
-from handgen.parameters.model import Hand
+from handgen.parameters.model import OPPOSITION, Hand
 from handgen.simulation.case import Case, Contact
 
-PARTS = ("assembly", "exoskeleton", "actuator")
+PARTS = ("assembly", "exoskeleton", "actuator", opposition.PART)
 FINEST = 3
+NAMES = ("--part", "--finger")
+"""Options without which no case can be composed."""
+FROM_THE_AXIS = "an actuator that lies in no finger: tip_drop is counted from its axis"
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class Request:
     orientation: str
     model: str
     solver: str
-    case: Case
+    case: Case | HingeCase
     choices: Mapping[str, Choice]
     """Body ("exoskeleton", "actuator") -> its parameter set."""
     materials: Mapping[str, str]
@@ -43,14 +47,14 @@ class Request:
 def request(
     params: str | os.PathLike | Loaded,
     *,
-    finger: str = "index",
+    finger: str | None = None,
     part: str = "assembly",
     pressures: Numbers = None,
     tip_loads: Numbers = None,
-    orientation: str = "palm_down",
+    orientation: str | None = None,
     obstacle: float | str | None = None,
     model: str | os.PathLike | None = None,
-    solver: str = "solid",
+    solver: str | None = None,
     refine: int | str = 0,
 ) -> Request:
     """What to solve.
@@ -59,6 +63,10 @@ def request(
     are "start:end:step", "a,b,c" or a list, rising; left out, 0:100:10 kPa and no weight. `obstacle`: a
     rigid plane so many mm below the palm side. `model`: a name of params/models or a file; left out,
     `default_name()`.
+
+    `part="opposition"` gives the angle of the thumb's hinge instead, from a section model without own weight
+    (`handgen.bending.opposition`). What is left out is the index finger, palm down, the solver "solid"; for
+    the opposition the thumb, weightless, the solver "section".
 
     `sideways` bends without own weight, with a note: gravity then acts across the plane of bending, and the
     model is one of half a finger; a weight on the tip is refused there.
@@ -71,32 +79,50 @@ def request(
     loaded = params if isinstance(params, Loaded) else _attempt(problems, load, params)
     chosen = _attempt(problems, load_model, model if model is not None else default_name())
     _one_of("--part", part, PARTS, faults)
-    _one_of("--orientation", orientation, loads.ORIENTATIONS, faults)
-    _one_of("--solver", solver, solvers.names(), faults)
+    hinged = part == opposition.PART
+    finger = finger if finger is not None else "thumb" if hinged else "index"
+    orientation = orientation if orientation is not None else "weightless" if hinged else "palm_down"
+    solver = solver if solver is not None else solvers.names(part)[0]
+    _one_of("--solver", solver, solvers.names(part), faults)
+    gravity = loads.orientation(orientation, part, faults)
     kilopascals = loads.pressures(pressures, part, faults)
     newtons = loads.tip_loads(tip_loads, part, orientation, faults)
     plane = loads.obstacle(obstacle, part, faults)
-    finer = _refine(refine, faults)
+    finer = _refine(refine, part, faults)
     if loaded is not None:
-        _one_of("--finger", finger, _bendable(loaded.hand, part), faults)
-    if problems or faults or loaded is None or chosen is None:
+        _bendable(finger, part, loaded.hand, faults)
+    composer, case = None, None
+    if loaded is not None and chosen is not None and not any(p.path in NAMES for p in faults):
+        composer = Composer(loaded, *chosen, pressures=tuple(1e-3 * p for p in kilopascals))
+        case = _case(composer, finger, part, dict(
+            contact=Contact(chosen[0].friction, chosen[0].bonded), gravity=gravity,
+            tip_loads=newtons, obstacle=plane, refine=finer))
+        problems += (p for i, p in enumerate(composer.problems) if p not in composer.problems[:i])
+    if problems or faults or composer is None or case is None:
         raise InputError([*problems, *faults])
-    composer = Composer(loaded, *chosen)
-    case = _case(composer, finger, part, dict(
-        contact=Contact(chosen[0].friction, chosen[0].bonded), gravity=loads.ORIENTATIONS[orientation],
-        pressures=tuple(1e-3 * p for p in kilopascals), tip_loads=newtons, obstacle=plane, refine=finer))
-    if case is None:
-        raise InputError(composer.problems)
-    bodies = [body for body in ("exoskeleton", "actuator") if part in (body, "assembly")]
-    materials = {body: composer.material(body)[0] for body in bodies}
+    if hinged:
+        case = composer.measured(case)
+    materials = {body: composer.material(body)[0] for body in BODIES if part in (body, "assembly") or hinged}
     return Request(
         loaded.hand.name, finger, part, orientation, chosen[0].name, solver, case,
         {body: chosen[0].materials[name] for body, name in materials.items()}, materials,
-        (loads.SIDEWAYS,) if orientation == "sideways" else ())
+        tuple(_notes(finger, part, orientation)))
 
 
-def _case(composer: Composer, name: str, part: str, loading: dict) -> Case | None:
+def _notes(finger: str, part: str, orientation: str) -> Iterator[str]:
+    """What a user must know of all points."""
+    if part == opposition.PART:
+        yield opposition.NO_WEIGHT
+    if orientation == "sideways":
+        yield loads.SIDEWAYS
+    if part == "actuator" and finger in OPPOSITION:
+        yield FROM_THE_AXIS
+
+
+def _case(composer: Composer, name: str, part: str, loading: dict) -> Case | HingeCase | None:
     """The case; None if the hand or the model do not allow it."""
+    if part == opposition.PART:
+        return composer.hinge()
     hand = composer.loaded.hand
     profile = winding = silicone = tpu = finger = None
     held = 0.0
@@ -104,29 +130,41 @@ def _case(composer: Composer, name: str, part: str, loading: dict) -> Case | Non
         profile, silicone = composer.actuator(name), composer.substance("actuator")
         if profile is not None:
             winding, held = composer.winding(name, profile), composer.held(profile)
+            composer.bears(name, profile, winding, held, silicone)
     if part != "actuator":
         tpu = composer.substance("exoskeleton")
     if name in hand.fingers.present():
         finger = composer.finger(name)
     if composer.problems:
         return None
-    return Case(part, finger, hand.exoskeleton.joint_fillet, profile, winding, tpu, silicone, held, **loading)
+    return Case(part, finger, hand.exoskeleton.joint_fillet, profile, winding, tpu, silicone, held,
+                pressures=composer.pressures, **loading)
 
 
-def _bendable(hand: Hand, part: str) -> list[str]:
-    """Names that `--finger` may take: an opposition actuator can be bent on its own."""
-    return list(hand.actuators.present() if part == "actuator" else hand.fingers.present())
+def _bendable(finger: str, part: str, hand: Hand, faults: Faults) -> None:
+    """Whether `--finger` names what has this part: an opposition actuator can be bent on its own."""
+    if part != opposition.PART:
+        there = hand.actuators.present() if part == "actuator" else hand.fingers.present()
+        _one_of("--finger", finger, there, faults)
+    elif hand.opposition is None or hand.palm is None:
+        faults.say("--part", part, f"the thumb of {hand.name} has no hinge",
+                   "a hand with `palm` and `opposition`")
+    else:
+        _one_of("--finger", finger, ["thumb"], faults)
 
 
-def _refine(given: int | str, faults: Faults) -> int:
+def _refine(given: int | str, part: str, faults: Faults) -> int:
     text = str(given)
     if not (text.isdecimal() and int(text) <= FINEST):
         faults.say("--refine", given, "is no refinement", f"0, 1, ... {FINEST}")
         return 0
+    if part == opposition.PART and int(text):
+        faults.say("--refine", given, "the section model of the thumb's hinge has no mesh", "leave it out")
     return int(text)
 
 
-def _one_of(option: str, given: str, valid: Mapping | tuple | list, faults: Faults) -> None:
+def _one_of(option: str, given: str, valid: Iterable[str], faults: Faults) -> None:
+    valid = list(valid)
     if given not in valid:
         faults.say(option, given, "there is none of this name", "one of " + ", ".join(valid),
                    nearest(given, valid))

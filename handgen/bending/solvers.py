@@ -11,6 +11,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
+from handgen.bending import opposition
 from handgen.errors import EngineError
 from handgen.simulation.case import Case, Curve
 
@@ -19,9 +20,11 @@ GROUP = "handgen.solvers"
 OWN = {
     "solid": "handgen.simulation.solid",
     "reference": "handgen.simulation.reference",
+    opposition.SOLVER: "handgen.bending.opposition",
 }
-"""Modules of handgen whose `simulate` is a solver; loaded when used."""
-SOURCES = ("simulation", "materials", "geometry/profile.py", "geometry/finger.py", "parameters/derive.py")
+"""Modules of handgen whose `simulate` is a solver; loaded when used. The first is the default."""
+SOURCES = ("simulation", "materials", "mechanics", "geometry/profile.py", "geometry/finger.py",
+           "parameters/derive.py", "bending/opposition.py")
 """What the own solvers' results depend on, in the package."""
 
 Simulate = Callable[[Case, Callable[[str], None] | None], Curve]
@@ -50,25 +53,29 @@ def registered() -> dict[str, EntryPoint]:
     return found
 
 
-def names() -> list[str]:
-    """All solvers, handgen's own first."""
-    return [*OWN, *sorted(registered())]
+def names(part: str = "assembly") -> list[str]:
+    """Solvers that bend `part`, handgen's own first."""
+    if part == opposition.PART:
+        return [opposition.SOLVER]
+    return [name for name in OWN if name != opposition.SOLVER] + sorted(registered())
 
 
 def solver(name: str) -> Solver:
     """The solver `name`, loaded.
 
     Raises:
-        EngineError: it cannot be loaded, e.g. because a package that it needs is missing.
+        EngineError: it cannot be loaded, e.g. because a package that it needs is missing; the code of
+            another package may fail in any way.
         KeyError: there is none of this name.
     """
+    point = None if name in OWN else registered()[name]
     try:
-        if name in OWN:
+        if point is None:
             return Solver(name, import_module(OWN[name]).simulate, _own_version())
-        point = registered()[name]
         return Solver(name, point.load(), _version(point))
-    except (ImportError, AttributeError) as error:
-        raise EngineError(f"the solver {name!r} cannot be loaded: {error}") from error
+    except Exception as error:
+        raise EngineError(
+            f"the solver {name!r} cannot be loaded: {type(error).__name__}: {error}") from error
 
 
 def _version(point: EntryPoint) -> str:
