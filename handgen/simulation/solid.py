@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 
 from handgen.simulation.case import Case, Curve, State
+
+
+THREADS = "HANDGEN_THREADS"
+"""Environment variable: threads that share the elements of one bend. Two by default, where there are two
+cores; more do not pay. One where many bends run side by side."""
 
 
 def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:
@@ -26,7 +32,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
     from handgen.simulation.system import Load, System
 
     begun = time.perf_counter()
-    system = System(case)
+    system = System(case, _threads())
     solver = Solver(system)
     weight = 1.0 if any(case.gravity) else 0.0
     targets = ([Load(weight, 0.0, t) for t in case.tip_loads] if case.part == "exoskeleton"
@@ -48,6 +54,11 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
         states.append(State(target.pressure, target.tip, False, note=stopped))
     return Curve(tuple(states), system.grids, reached, tuple(solver.folds), system.size,
                  solver.cost.factorisations, time.perf_counter() - begun, stopped)
+
+
+def _threads() -> int:
+    given = os.environ.get(THREADS, "")
+    return max(1, int(given)) if given.isdecimal() else min(2, os.cpu_count() or 1)
 
 
 def _compiled() -> bool:

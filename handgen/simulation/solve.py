@@ -24,7 +24,8 @@ TOLERANCE = 1e-5
 """Largest out-of-balance force over the largest acting one."""
 LEAST_FORCE = 1e-3
 """N; what an acting force counts at least."""
-ITERATIONS = 12
+ITERATIONS, MOST_ITERATIONS = 12, 24
+"""Of Newton; beyond the first number only while the residual falls to a quarter in two of them."""
 HOPELESS, LATE = 1e9, 8
 """A residual beyond which Newton does not come back; from iteration LATE on it must be below 1."""
 TURN = 0.15
@@ -33,11 +34,11 @@ NEGATIVES = 4
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
 STEPS = Load(0.1, 0.004, 0.06)
 """First steps: share of own weight, MPa, N."""
-LONGEST = Load(0.5, 0.010, 0.20)
+LONGEST = Load(0.5, 0.020, 0.20)
 SHORTEST = Load(0.01, 0.0002, 0.002)
-GROWTH, CUT = 1.5, 0.35
+GROWTH, CUT = 1.5, 0.5
 """Of a step after an easy and after a failed one."""
-EASY = 5
+EASY = 6
 """Iterations up to which the next step may be longer."""
 JUMP = 1.0
 """mm that some place moves at least where the finger folds; a state nearer by was only hard to find."""
@@ -45,8 +46,9 @@ AFTER = 0.5
 """First step after that, as a share of the very first."""
 DRAG = 1.0
 """N/mm on an element's share of mass, at first, when a fold is followed in artificial time."""
-CALM = 0.1
-"""Drag over the largest acting force below which the finger is let go."""
+CALM, LIGHT = 0.1, 10.0 * DRAG
+"""Drag over the largest acting force below which the finger is let go: at once, in case the state was only
+hard to find, and again when the drag has become light."""
 RELAXATIONS = 80
 """Steps of artificial time at most."""
 
@@ -176,7 +178,8 @@ class Solver:
         residual, so the last tangent serves the test of stability and the next predictor.
         """
         s = self.system
-        for iteration in range(ITERATIONS + 1):
+        earlier = last = np.inf
+        for iteration in range(MOST_ITERATIONS + 1):
             _, force, values, least = s.assemble(q, load, exact=False)
             self.cost.assemblies += 1
             if least <= 0.0 or not np.isfinite(force).all():
@@ -187,8 +190,11 @@ class Solver:
             residual = float(np.abs(force).max() / self._acting(load))
             if residual < TOLERANCE:
                 return q, residual, iteration, values
-            if iteration == ITERATIONS or residual > (HOPELESS if iteration < LATE else 1.0):
+            if residual > (HOPELESS if iteration < LATE else 1.0):
                 return None
+            if iteration >= ITERATIONS and (iteration == MOST_ITERATIONS or residual > earlier / 4):
+                return None
+            earlier, last = last, residual
             if not self._factorise(values):
                 self.cost.indefinite += 1
                 if drag is not None or self.matrix.indefinite(values) > NEGATIVES:
@@ -204,7 +210,7 @@ class Solver:
     def _relaxed(self, q: np.ndarray, load: Load) -> Point | None:
         """The stable state that a drag, let go little by little, leads to from `q`."""
         s = self.system
-        centre, strength = q, DRAG
+        centre, strength, untried = q, DRAG, True
         s.rubbing[:] = s.normal
         for _ in range(RELAXATIONS):
             s.extrapolate(centre, np.zeros_like(centre))
@@ -216,7 +222,8 @@ class Solver:
                 continue
             dragged = float(np.abs(strength * s.inertia * (found[0] - centre)).max() / self._acting(load))
             centre = found[0]
-            if dragged < CALM:
+            if dragged < CALM and (untried or strength <= LIGHT):
+                untried = False
                 free = self._newton(centre, load)
                 if free is not None:
                     return Point(load, free[0], free[1])
