@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 from handgen.simulation.case import Case, Curve, State
 
-
 THREADS = "HANDGEN_THREADS"
 """Environment variable: threads that share the elements of one bend. Two by default, where there are two
 cores; more do not pay. One where many bends run side by side."""
