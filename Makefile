@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: help hand test test-slow lint format bench pictures clean
+.PHONY: help hand test test-slow lint format bench validate calibrate pictures clean
 .DEFAULT_GOAL := help
 
 help:  ## show this list
@@ -37,6 +37,13 @@ format: $(READY)  ## mend what style can mend by itself
 
 bench: $(READY)  ## time the build (prints a table)
 	$(BIN)/python -m tests.benchmarks.build
+
+validate: $(READY)  ## bend what the source measured, with every model file; renews the README's figure
+	$(BIN)/handgen validate
+	cp outputs/coimbra_index/validation.png docs/
+
+calibrate: $(READY)  ## fit params/models/calibrated.yaml anew (minutes)
+	$(BIN)/python -m handgen.bending.calibration
 
 pictures: hand  ## renew the README's pictures from the previews of the shipped hands
 	cp $(foreach p,hand_palm hand_dorsum hand_side actuators tooling_index,outputs/adult/previews/$(p).png) docs/

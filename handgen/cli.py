@@ -147,6 +147,32 @@ def _bend(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED if found.complete else ENGINE
 
 
+# validate
+
+
+def _validate_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("measurements", metavar="MEASUREMENTS", nargs="?",
+                        help="measurements file (the source's: params/measurements/coimbra_index.yaml)")
+    parser.add_argument("--models", metavar="FILE", nargs="+",
+                        help="names of params/models or files (literature thesis calibrated)")
+    parser.add_argument("--no-cache", dest="keep", action="store_false",
+                        help="solve even what was solved before, and keep nothing")
+
+
+def _validate(arguments: argparse.Namespace, output: Output) -> int:
+    from pathlib import Path
+
+    from handgen.bending import validation, validation_files
+
+    file = Path(arguments.measurements or validation.MEASUREMENTS)
+    folder = Path(arguments.out or Path("outputs") / file.stem)
+    found = validation.validate(file, arguments.models or validation.MODELS, keep=arguments.keep,
+                                progress=output.note)
+    document = validation_files.write(found, folder)
+    output.result(document, tables.validated(document, str(folder), output.style))
+    return PASSED if document["complete"] else ENGINE
+
+
 # measure
 
 
@@ -192,6 +218,8 @@ VERBS = {
     "check": Verb("run every design rule and say what will fail", _check_arguments, _check),
     "build": Verb("make the printable, castable parts of a parameter file", _build_arguments, _build),
     "bend": Verb("how a finger moves under pressure, weights, an obstacle", _bend_arguments, _bend),
+    "validate": Verb("bend what was measured and say how far each model is off", _validate_arguments,
+                     _validate),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }

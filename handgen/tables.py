@@ -73,6 +73,52 @@ def bent(document: dict[str, Any], reached: str, folder: str, style: Style) -> s
     return "\n".join([*lines, f"{document['name']} {document['finger']}: {verdict}; {spent}; see {folder}"])
 
 
+def validated(document: dict[str, Any], folder: str, style: Style) -> str:
+    """Of every test each model's RMS and largest residual; what being stuck or weightless would change; the
+    actuator with and without its thread."""
+    lines = []
+    for test in document["tests"]:
+        lines += [style(test["title"], "1"), f"  {'':<24}{'RMS':>10}{'largest':>10}  {test['unit']}"]
+        may = [load for load, allowed in zip(test["loads"], test["may_be_fitted"], strict=True) if allowed]
+        for name, model in test["models"].items():
+            lines.append(_off(name, model, "gap", "fitted" if model["fitted"] else "predicted", style))
+            if may and len(may) < len(test["loads"]):
+                words = f"up to {may[-1]:g} {test['load_unit']}"
+                lines.append(_off("", model, "gap_where_fitting_is_allowed", words, style))
+        if test["variants"]:
+            lines += _compared(test)
+    lines += [_balloon(balloon) for balloon in document["balloon"]]
+    lines += [f"skipped: {one['test']}: {one['reason']}" for one in document["skipped"]]
+    return "\n".join([*lines, f"{document['name']}; see {folder}"])
+
+
+def _compared(test: dict[str, Any]) -> list[str]:
+    """Rows of readings: measured, each model, and the same stuck to its bore and without own weight."""
+    rows = {"measured": test["means"]}
+    for name, model in test["models"].items():
+        rows[name] = model["simulated"]
+        rows |= {f"{name}, {what}": models[name]["simulated"] for what, models in test["variants"].items()}
+    head = f"  {test['load_unit']:<24}" + "".join(f"{load:>7g}" for load in test["loads"])
+    return [head, *(f"  {name:<24}" + "".join(f"{'-' if v is None else format(v, '.1f'):>7}" for v in row)
+                    for name, row in rows.items())]
+
+
+def _balloon(balloon: dict[str, Any]) -> str:
+    parts = [f"{words} longer by {_figure(balloon[key]['elongation_mm'])}, wider by "
+             f"{_figure(balloon[key]['widening_mm'])} mm at {balloon[key]['reached_kPa']:g} kPa"
+             for key, words in (("wound", "with its thread"), ("bare", "without it"))]
+    return f"free actuator, {balloon['model']}: {'; '.join(parts)}"
+
+
+def _off(name: str, model: dict[str, Any], key: str, words: str, style: Style) -> str:
+    gap = model[key]
+    if gap is None:
+        return f"  {name:<24}{'':>20}  {words}"
+    relative = "" if gap["rms_relative"] is None else f"{100 * gap['rms_relative']:.1f} %, "
+    line = f"  {name:<24}{gap['rms']:>10.2f}{gap['largest']:>+10.2f}  {relative}{words}"
+    return line if model["complete"] else style(f"{line}; {model['reached']}", COLOURS["fail"])
+
+
 def measured(report: dict[str, Any], style: Style) -> str:
     """Size, closed or not, walls: a line each."""
     low, high = ("({:.2f}, {:.2f}, {:.2f})".format(*corner) for corner in report["bbox_mm"])

@@ -85,6 +85,8 @@ class BendModel(Model):
         default=None)
     thread: ThreadModel = item("the reinforcement", default_factory=ThreadModel)
     effects: list[Effect] = item("switched on", default_factory=list)
+    fitted: list[str] = item(
+        "ids of the tests of a measurements file that its numbers were fitted on", default_factory=list)
     assumed: dict[str, str] = item("key path -> why this value, which no source gives", default_factory=dict)
     sources: dict[str, str] = item("key -> where numbers come from", default_factory=dict)
 

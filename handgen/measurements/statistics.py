@@ -19,14 +19,14 @@ def means(test: Test) -> list[float | None]:
     return [sum(column) / len(column) if column else None for column in columns(test)]
 
 
-def pooled_deviation(test: Test) -> float | None:
-    """Standard deviation of one reading among its repeats, over all loads; None without repeats.
+def pooled_deviation(test: Test, which: Sequence[bool] | None = None) -> float | None:
+    """Standard deviation of one reading among its repeats, over all loads, or over those of `which`.
 
-    sqrt(sum (x - mean)^2 / sum (n - 1)), in the observable's unit.
+    sqrt(sum (x - mean)^2 / sum (n - 1)), in the observable's unit; None without repeats.
     """
     squares, freedoms = 0.0, 0
-    for column in columns(test):
-        if column:
+    for column, wanted in zip(columns(test), which or [True] * len(test.load.values), strict=True):
+        if column and wanted:
             mean = sum(column) / len(column)
             squares += sum((reading - mean) ** 2 for reading in column)
             freedoms += len(column) - 1

@@ -1,0 +1,78 @@
+"""A measured test and a model -> the bend that answers it, and how far the two are apart."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from handgen.bending.request import Request, request
+from handgen.errors import InputError, Problem
+from handgen.measurements.load import Measured
+from handgen.measurements.model import Test
+from handgen.measurements.statistics import means, rms
+from handgen.simulation.case import Curve
+
+FROM_STATE = {"tip_drop": 1.0, "elongation": 1.0, "tip_force": 1.0, "bend_angle": 180.0 / math.pi}
+"""Observables are values of a state of this name, in these units of it."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Simulated less measured means, over some of a test's loads."""
+
+    count: int
+    rms: float
+    largest: float
+    """The residual of the largest size, with its sign."""
+    rms_relative: float | None
+    """RMS of residuals over the means; None where a mean is 0."""
+
+
+def asked(measured: Measured, test: Test, model: str | os.PathLike, more: Sequence[float] = ()) -> Request:
+    """What `handgen bend` would be asked to answer `test`, and at `more` loads between its own.
+
+    Raises:
+        InputError: the test does not rise from load to load, or hand and model do not fit.
+    """
+    if test.path != "loading":
+        raise InputError([Problem(str(measured.file), f"tests.{test.id}.path", test.path,
+                                  "cannot be simulated: a model has no memory of earlier loads", "loading")])
+    values = sorted({*test.load.values, *more})
+    row = {"tip_loads": values} if test.load.quantity == "tip_load" else {"pressures": values}
+    return request(measured.hand, finger=measured.measurements.finger, part=test.part, model=model,
+                   orientation=test.orientation, obstacle=test.obstacle, **row)
+
+
+def observed(test: Test, curve: Curve) -> list[float | None]:
+    """What is read off each state of `curve`; None where one did not converge."""
+    name = test.observable.quantity
+    return [FROM_STATE[name] * getattr(state, name) if state.converged else None for state in curve.states]
+
+
+def loads(test: Test, curve: Curve) -> list[float]:
+    """The loads of the states of `curve`, in the unit of `test`."""
+    if test.load.quantity == "tip_load":
+        return [state.tip_load for state in curve.states]
+    return [1e3 * state.pressure for state in curve.states]
+
+
+def readings(test: Test, curve: Curve) -> list[float | None]:
+    """What is read off `curve` at the loads of `test`, in its order."""
+    found = dict(zip((round(load, 9) for load in loads(test, curve)), observed(test, curve), strict=True))
+    return [found[round(load, 9)] for load in test.load.values]
+
+
+def gap(test: Test, simulated: Sequence[float | None], fitted: bool | None = None) -> Gap | None:
+    """How far `simulated` is off, over loads that may be `fitted` (True), that may not (False), or all.
+
+    None where nothing is left to compare.
+    """
+    pairs = [(s - m, m) for s, m, f in zip(simulated, means(test), test.fitted, strict=True)
+             if s is not None and m is not None and fitted in (None, f)]
+    if not pairs:
+        return None
+    residuals = [residual for residual, _ in pairs]
+    relative = rms([r / m for r, m in pairs]) if all(m for _, m in pairs) else None
+    return Gap(len(pairs), rms(residuals), max(residuals, key=abs), relative)
