@@ -49,7 +49,7 @@ class Composer:
                       f"the model {self.model.name} has no parameter set for it",
                       f"{', '.join(self.model.materials)}; or add it to `materials` of {self.model_file}")
             return None
-        at = f"materials.{name}"
+        at, before = f"materials.{name}", len(self.problems)
         try:
             library.refuse_unstable(
                 choice.parameters, STABLE, name=choice.name, file=self.model_file, path=at)
@@ -58,8 +58,7 @@ class Composer:
         if choice.density is None:
             self._say(self.model_file, f"{at}.density", None,
                       "missing: the library does not know the material", "density in kg/m3")
-            return None
-        return choice
+        return choice if len(self.problems) == before else None
 
     def substance(self, body: str) -> Substance | None:
         choice = self.choice(body)

@@ -54,7 +54,7 @@ class Faults(list[Problem]):
 
 
 def pressures(given: Numbers, part: str, faults: Faults) -> tuple[float, ...]:
-    """Pressures, kPa; a bare exoskeleton has none."""
+    """Those that are within range, kPa; a bare exoskeleton has none."""
     option = "--pressures"
     if part == "exoskeleton":
         if given is not None:
@@ -63,7 +63,7 @@ def pressures(given: Numbers, part: str, faults: Faults) -> tuple[float, ...]:
         return (0.0,)
     found = _numbers(PRESSURES if given is None else given, option, faults)
     _in_order(found, option, "kPa", HIGHEST, faults)
-    return tuple(found)
+    return tuple(number for number in found if 0.0 <= number <= HIGHEST)
 
 
 def tip_loads(given: Numbers, part: str, orientation: str, faults: Faults) -> tuple[float, ...]:

@@ -24,7 +24,7 @@ OWN = {
 }
 """Modules of handgen whose `simulate` is a solver; loaded when used. The first is the default."""
 SOURCES = ("simulation", "materials", "mechanics", "geometry/profile.py", "geometry/finger.py",
-           "parameters/derive.py", "bending/opposition.py")
+           "geometry/csg.py", "parameters/derive.py", "bending/opposition.py")
 """What the own solvers' results depend on, in the package."""
 
 Simulate = Callable[[Case, Callable[[str], None] | None], Curve]
