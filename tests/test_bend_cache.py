@@ -65,7 +65,7 @@ def changed(value, path, new):
 
 @pytest.fixture(scope="module")
 def cases():
-    asked = {"pressures": "0:60:20", "obstacle": 40, "tip_loads": 0.1}
+    asked = {"pressures": "0:60:20", "obstacle": 40, "tip_loads": 0.1, "model": "literature"}
     found = [request(ADULT_FILE, **asked).case, request(ADULT_FILE, finger="little", model="thesis").case]
     return [(case, list(numbers(case))) for case in found]
 
