@@ -45,10 +45,12 @@ validate: $(READY)  ## bend what the source measured, with every model file; ren
 calibrate: $(READY)  ## fit params/models/calibrated.yaml anew (minutes)
 	$(BIN)/python -m handgen.bending.calibration
 
-pictures: hand  ## renew the README's pictures from the previews of the shipped hands
+pictures: hand  ## renew the README's pictures: build, check and bend the shipped hands
 	cp $(foreach p,hand_palm hand_dorsum hand_side actuators tooling_index,outputs/adult/previews/$(p).png) docs/
 	-$(BIN)/handgen check params/thesis_hand.yaml --quiet  # it fails, as it should
 	cp outputs/thesis_hand/checks/previews/*_thumb.palm-stiffness_*.png docs/finding.png
+	$(BIN)/handgen bend params/adult.yaml --quiet
+	cp outputs/adult/bend/index_assembly/curl.png docs/
 
 clean:  ## remove .venv and caches; outputs/ stays
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis .import_linter_cache *.egg-info

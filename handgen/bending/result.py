@@ -104,10 +104,9 @@ def flags(request: Request, state: State) -> Iterator[str]:
     if not known and state.max_stretch is not None:
         known = dict.fromkeys(request.choices, state.max_stretch)  # it may be any body's
     for body, most in known.items():
-        choice = request.choices[body]
-        fitted = choice.parameters.strain[1]
+        fitted = request.choices[body].parameters.strain[1]
         if most - 1.0 > fitted:
-            yield (f"{body} strained {100 * (most - 1):.0f} %; {choice.name} rests on data up to "
+            yield (f"{body} strained {100 * (most - 1):.0f} %; its law rests on data up to "
                    f"{100 * fitted:.0f} %")
 
 
