@@ -35,8 +35,9 @@ lint: $(READY)  ## style and the one-way data flow
 format: $(READY)  ## mend what style can mend by itself
 	$(BIN)/ruff check --fix .
 
-bench: $(READY)  ## time the build (prints a table)
+bench: $(READY)  ## time the build and the rules (prints tables)
 	$(BIN)/python -m tests.benchmarks.build
+	$(BIN)/python -m tests.benchmarks.rules
 
 validate: $(READY)  ## bend what the source measured, with every model file; renews the README's figure
 	$(BIN)/handgen validate

@@ -7,22 +7,17 @@ holes wider than a line, cores bent by more than the layer they leave room for.
 
 from __future__ import annotations
 
-import copy
 import math
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from handgen import checks
 from handgen.checks.voids import voids
-from handgen.errors import GeometryError, InputError
 from handgen.geometry import csg, palm
 from handgen.geometry.actuator import actuator
-from handgen.geometry.catalogue import catalogue
 from handgen.geometry.finger import exoskeleton
 from handgen.geometry.hand import hand_part
 from handgen.geometry.mesh_kernel import Triangles, evaluate, triangles
@@ -33,7 +28,7 @@ from handgen.geometry.thumb import Hinge
 from handgen.geometry.tooling import tooling
 from handgen.parameters.load import load
 from handgen.parameters.model import FINGERS, Hand
-from tests.strategies import ADULT, PARAMS, write
+from tests.strategies import PARAMS
 from tests.variant import changed, named
 
 HAND = "exoskeleton/hand"
@@ -171,14 +166,27 @@ def bored() -> tuple[np.ndarray, np.ndarray]:
     return (origins + distances[:, None] * directions)[there], directions[there]
 
 
-def punched_hand(rng):
-    """A hole from a bore of the hand to the open."""
+def sunk(rng: np.random.Generator, radius: float, left: float) -> tuple[Part, np.ndarray]:
+    """(the hand with a flat hole from outside to `left` mm before a bore, the middle of what is left)."""
     points, directions = bored()
     k = rng.integers(len(points))
-    radius = rng.uniform(0.6, 1.5)
-    drill = csg.cylinder(radius, -0.5, 60.0).placed(palm.facing(directions[k]), points[k])
+    drill = csg.cylinder(radius, left, 60.0).placed(palm.facing(directions[k]), points[k])
     spoilt = meshed(body(), triangles(evaluate(body().shape) - evaluate(drill)))
-    return {HAND: spoilt}, HAND, points[k], f"a hole of {2 * radius:.1f} mm"
+    return spoilt, points[k] + max(left, 0.0) / 2 * directions[k]
+
+
+def punched_hand(rng):
+    """A hole from a bore of the hand to the open."""
+    radius = rng.uniform(0.6, 1.5)
+    spoilt, place = sunk(rng, radius, -0.5)
+    return {HAND: spoilt}, HAND, place, f"a hole of {2 * radius:.1f} mm"
+
+
+def pocket_into_bore(rng):
+    """A pocket cut near to a bore or channel of the hand: thin wall between them, or into it."""
+    left = rng.uniform(-1.2, 0.5)
+    spoilt, place = sunk(rng, rng.uniform(1.5, 3.0), left)
+    return {HAND: spoilt}, HAND, place, f"{left:.2f} mm left"
 
 
 def punched_finger(rng):
@@ -308,7 +316,8 @@ KINDS: dict[str, tuple[int, Plant, tuple[str, ...]]] = {
     "bore shifted": (8, shifted_bore, ("wall.minimum", "print.line-width", "bore.breakthrough")),
     "hole punched, hand": (10, punched_hand, ("bore.breakthrough",)),
     "hole punched, finger": (8, punched_finger, ("bore.breakthrough",)),
-    "pocket into its neighbour": (6, pocket_into_neighbour, ("wall.between-bores", "bore.breakthrough")),
+    "pocket into its neighbour": (3, pocket_into_neighbour, ("wall.between-bores", "bore.breakthrough")),
+    "pocket into a bore": (3, pocket_into_bore, ("wall.minimum", "print.line-width", "bore.breakthrough")),
     "mesh open": (8, open_mesh, ("solid.watertight",)),
     "sliver left, floating": (6, floating_sliver, ("solid.watertight",)),
     "sliver left, fin": (6, thin_fin, ("wall.minimum", "print.line-width")),
@@ -355,45 +364,3 @@ def _near(finding: dict, places: np.ndarray) -> bool:
 def _same(one: dict, other: dict) -> bool:
     keys = ("rule", "part", "severity", "measured", "where")
     return all(one[k] == other[k] for k in keys)
-
-
-# Good hands
-
-
-def variant(rng: np.random.Generator) -> Hand:
-    """A hand that a maker would ask for: other lengths, walls, strips, splay, thread, nozzle, side."""
-    data = copy.deepcopy(ADULT)
-    data["side"] = str(rng.choice(["right", "left"]))
-    del data["palm"]["length"]
-    whole, thicker = rng.uniform(0.88, 1.12), rng.uniform(-0.2, 0.5)
-    for name, finger in data["fingers"].items():
-        share = whole * rng.uniform(0.97, 1.03)
-        for key in ("outer_length", "inner_length"):
-            finger[key] = round(finger[key] * share, 2)
-        finger["outer_length"] = max(finger["outer_length"], finger["inner_length"] + 6.0)
-        for key in ("base_outer_diameter", "tip_outer_diameter"):
-            finger[key] = round(finger[key] + thicker, 2)
-        for joint in finger["joints"]:
-            joint["position"] = round(joint["position"] * share, 2)
-            joint["palmar_arc"] = float(round(rng.uniform(75, 100)))
-        finger["placement"]["splay"] += round(rng.uniform(-1.5, 1.5), 1)
-        data["actuators"][name]["outer_length"] = finger["inner_length"]
-    data["thread"]["pitch"] = round(rng.uniform(1.25, 1.75), 2)
-    data["actuators"]["little"]["thread"]["pitch"] = round(rng.uniform(1.25, 1.5), 2)
-    nozzle = float(rng.choice([0.35, 0.4]))
-    for process in ("finger", "hand", "tooling"):
-        data["printing"][process]["nozzle_size"] = nozzle
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            return load(write(data, Path(folder))).hand
-        except InputError:
-            return variant(rng)
-
-
-def false_findings(hand: Hand) -> list[dict]:
-    """Findings of error level on a good hand; a hand that is refused by name counts as none."""
-    try:
-        report = checks.judge(hand, catalogue(hand))
-    except GeometryError:
-        return []
-    return [f for f in report["findings"] if f["severity"] == "error"]
