@@ -112,10 +112,9 @@ def _balloon(balloon: dict[str, Any]) -> str:
 
 def _off(name: str, model: dict[str, Any], key: str, words: str, style: Style) -> str:
     gap = model[key]
-    if gap is None:
-        return f"  {name:<24}{'':>20}  {words}"
-    relative = "" if gap["rms_relative"] is None else f"{100 * gap['rms_relative']:.1f} %, "
-    line = f"  {name:<24}{gap['rms']:>10.2f}{gap['largest']:>+10.2f}  {relative}{words}"
+    numbers = f"{'-':>10}{'-':>10}" if gap is None else f"{gap['rms']:>10.2f}{gap['largest']:>+10.2f}"
+    relative = f"{100 * gap['rms_relative']:.1f} %, " if gap and gap["rms_relative"] is not None else ""
+    line = f"  {name:<24}{numbers}  {relative}{words}"
     return line if model["complete"] else style(f"{line}; {model['reached']}", COLOURS["fail"])
 
 

@@ -17,14 +17,13 @@ params/thesis_hand.yaml.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from handgen.bending.comparison import asked, gap, observed
-from handgen.bending.fitting import Assumption, Fit, Unknown, fit, spread
+from handgen.bending.fitting import Assumption, Fit, Simulate, Unknown, fit, spread
 from handgen.bending.model import FOLDER, load_model
-from handgen.bending.request import Request
 from handgen.bending.run import solve
 from handgen.geometry.profile import FingerProfile
 from handgen.materials import library
@@ -89,10 +88,22 @@ def calibrate(file: Path = MEASUREMENTS, progress: Progress = lambda line: None)
     """
     measured = load_measurements(file)
     actuator, exoskeleton = measured.test("actuator-pressure"), measured.test("exoskeleton-weights")
-    free, bare = _free_actuator(measured, actuator), _bare_finger(measured, exoskeleton)
+    free = simulator(measured, actuator, with_silicone)
+    bare = simulator(measured, exoskeleton, with_joints)
     silicone = _fits(actuator, (EXPONENT,), free, SILICONE_ASSUMPTIONS, progress)
     joints = _fits(exoskeleton, JOINTS, bare, JOINT_ASSUMPTIONS, progress)
     return Calibration(*silicone, *joints, actuator, exoskeleton)
+
+
+def simulator(measured: Measured, test: Test, change: Callable[..., Case]) -> Simulate:
+    """(values, assumptions) -> readings of `test` with its case changed by them."""
+    base = asked(measured, test, BASE)
+
+    def simulate(values, **assumptions) -> list[float | None]:
+        case = change(base.case, values, **assumptions)
+        return observed(test, solve(replace(base, case=case)).curve)
+
+    return simulate
 
 
 def _fits(test: Test, unknowns, simulate, assumptions, progress: Progress) -> tuple[Fit, list[Assumption]]:
@@ -125,40 +136,34 @@ def _shear(alpha: float, share: float = 1.0) -> float:
     return round(share * reading.megapascals / unit, 4)
 
 
-def _free_actuator(measured: Measured, test: Test):
-    base = asked(measured, test, BASE)
-
-    def simulate(values, share=1.0, held=None, depth=None, offset=0.0) -> list[float | None]:
-        case = base.case
-        law = silicone_law(values["alpha"], share)
-        ratio = case.silicone.bulk / case.silicone.law.shear_modulus
-        winding = case.winding if depth is None else replace(case.winding, depth=depth)
-        return _read(test, base, replace(
-            case, silicone=replace(case.silicone, law=law, bulk=ratio * law.shear_modulus), winding=winding,
-            held=case.held if held is None else held, pressures=tuple(p + offset for p in case.pressures)))
-
-    return simulate
+def with_silicone(case: Case, values: Mapping[str, float], *, share: float = 1.0, held: float | None = None,
+                  depth: float | None = None, offset: float = 0.0) -> Case:
+    """`case` with the silicone of `values`, and what SILICONE_ASSUMPTIONS vary (`offset`: MPa)."""
+    law = silicone_law(values["alpha"], share)
+    ratio = case.silicone.bulk / case.silicone.law.shear_modulus
+    return replace(
+        case, silicone=replace(case.silicone, law=law, bulk=ratio * law.shear_modulus),
+        winding=case.winding if depth is None else replace(case.winding, depth=depth),
+        held=case.held if held is None else held,
+        pressures=tuple(max(p + offset, 0.0) for p in case.pressures))
 
 
 # Joints
 
 
-def _bare_finger(measured: Measured, test: Test):
-    base = asked(measured, test, BASE)
+def with_joints(case: Case, values: Mapping[str, float], *, modulus: float = 1.0, slot: float | None = None,
+                shares: Sequence[float] = (1.0,), shift: float = 0.0) -> Case:
+    """`case` with the exoskeleton of `values`, and what JOINT_ASSUMPTIONS vary; `modulus`: times set 3's."""
     chosen = library.parameter_set(TPU_SET)
-
-    def simulate(values, modulus=1.0, slot=None, shares=(1.0,), shift=0.0) -> list[float | None]:
-        case = base.case
-        law = chosen.build()
-        law = Law(law.name, tuple(modulus * constant for constant in law.constants))
-        ratio = case.tpu.bulk / case.tpu.law.shear_modulus
-        tpu = replace(case.tpu, law=law, bulk=ratio * law.shear_modulus, density=library.density(chosen))
-        return _read(test, base, replace(case, tpu=tpu, finger=_jointed(case, values, slot, shares, shift)))
-
-    return simulate
+    law = chosen.build()
+    law = Law(law.name, tuple(modulus * constant for constant in law.constants))
+    ratio = case.tpu.bulk / case.tpu.law.shear_modulus
+    tpu = replace(case.tpu, law=law, bulk=ratio * law.shear_modulus, density=library.density(chosen))
+    return replace(case, tpu=tpu, finger=_jointed(case, values, slot, shares, shift))
 
 
-def _jointed(case: Case, values, slot: float | None, shares: Sequence[float], shift: float) -> FingerProfile:
+def _jointed(case: Case, values: Mapping[str, float], slot: float | None, shares: Sequence[float],
+             shift: float) -> FingerProfile:
     """The finger with its joints as fitted and assumed."""
     finger = case.finger.finger
     joints = []
@@ -170,10 +175,6 @@ def _jointed(case: Case, values, slot: float | None, shares: Sequence[float], sh
             "palmar_arc": values["palmar_arc"],
             "rest_angle": share * values["rest_angle"]}))
     return FingerProfile(finger.model_copy(update={"joints": joints}))
-
-
-def _read(test: Test, base: Request, case: Case) -> list[float | None]:
-    return observed(test, solve(replace(base, case=case)).curve)
 
 
 # What is written

@@ -24,8 +24,8 @@ from handgen.simulation.case import Curve
 SCHEMA = "handgen.validation/1"
 MEASUREMENTS = FOLDER.parent / "measurements" / "coimbra_index.yaml"
 MODELS = ("literature", "thesis", "calibrated")
-POINTS = 12
-"""Points of a curve between no load and the largest, beside those that were measured."""
+POINTS = {"pressure": 12, "tip_load": 28}
+"""Parts that a curve from no load to the largest is drawn in, beside the loads that were measured."""
 BALLOON = 30.0
 """kPa of Figure 5.7: the actuator with and without its thread."""
 VARIANTS = ("bonded", "weightless")
@@ -149,7 +149,7 @@ def _requests(measured: Measured, models: Sequence[str]) -> list[tuple[Test, str
     for test in measured.measurements.tests:
         if test.path != "loading":
             continue
-        between = np.linspace(0.0, max(test.load.values), POINTS + 1).round(4).tolist()
+        between = np.linspace(0.0, max(test.load.values), POINTS[test.load.quantity] + 1).round(4).tolist()
         for model in models:
             try:
                 found.append((test, model, asked(measured, test, model, between)))
