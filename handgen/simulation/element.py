@@ -26,6 +26,8 @@ from numba import njit
 
 CONTRACTED = {"contract"}
 """Products and sums in one instruction; nothing else may be taken for granted."""
+SWEEPS = 12
+"""Of Jacobi's rotations at most; four do for what is nearly diagonal."""
 POLYNOMIAL, OGDEN = 0, 1
 """Forms of laws: c10 (I1 - 3) + c20 (I1 - 3)^2 + c30 (I1 - 3)^3 + c01 (I2 - 3); powers of stretches."""
 
@@ -113,16 +115,61 @@ def _second_invariant(f, h, i1, scale, c01, p, a):
     return s * i2 - 3.0 * c01
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=CONTRACTED)
+def principal(c, x, axes):
+    """Eigenvalues `x` (3,) and eigenvectors (columns of `axes`) of the symmetric `c` (3, 3), which is lost.
+
+    Jacobi's rotations: as exact where eigenvalues meet as elsewhere, which closed forms are not, and for so
+    small a matrix several times faster than LAPACK's call.
+    """
+    axes[:] = 0.0
+    for i in range(3):
+        axes[i, i] = 1.0
+    for _ in range(SWEEPS):
+        off = c[0, 1] ** 2 + c[0, 2] ** 2 + c[1, 2] ** 2
+        if off <= 1e-32 * (c[0, 0] ** 2 + c[1, 1] ** 2 + c[2, 2] ** 2):
+            break
+        for i in range(2):
+            for j in range(i + 1, 3):
+                if c[i, j] == 0.0:
+                    continue
+                t = (c[j, j] - c[i, i]) / (2.0 * c[i, j])
+                t = (1.0 if t >= 0.0 else -1.0) / (abs(t) + np.sqrt(t * t + 1.0))
+                cos = 1.0 / np.sqrt(t * t + 1.0)
+                sin, k = t * cos, 3 - i - j
+                c[i, i], c[j, j] = c[i, i] - t * c[i, j], c[j, j] + t * c[i, j]
+                c[i, j] = c[j, i] = 0.0
+                u, v = c[i, k], c[j, k]
+                c[i, k] = c[k, i] = cos * u - sin * v
+                c[j, k] = c[k, j] = sin * u + cos * v
+                for m in range(3):
+                    u, v = axes[m, i], axes[m, j]
+                    axes[m, i], axes[m, j] = cos * u - sin * v, sin * u + cos * v
+    for i in range(3):
+        x[i] = c[i, i]
+
+
+@njit(cache=True, fastmath=CONTRACTED)
 def ogden(f, h, det, c, p, a):
     """The same for sum of mu_k / alpha_k (l1^alpha_k + ...), c = mu_1, alpha_1, mu_2, alpha_2, ...
 
     In principal axes of C, with x_a the squared stretches and y_a = J^-2/3 x_a:
-    S = sum 2 dW/dx_a N_a N_a and dS/dC from its derivatives and difference quotients.
+    S = sum 2 dW/dx_a N_a N_a and dS/dC from its derivatives and difference quotients. With L_a = F N_a N_a
+    and M_ab = F N_a N_b + F N_b N_a: A = 1 x S + sum 2 dS_a/dx_b L_a x L_b
+    + sum (a < b) (S_a - S_b) / (x_a - x_b) M_ab x M_ab.
     """
-    x, axes = np.linalg.eigh(f.T @ f)
+    room = np.zeros((13, 9))  # one allocation: they cost as much as the arithmetic
+    metric, axes, moved, rate = (room[0].reshape(3, 3), room[1].reshape(3, 3), room[2].reshape(3, 3),
+                                 room[3].reshape(3, 3))  # moved: columns F N_a; rate: d stress_a / d x_b
+    own, with_rate, shear = room[4:7], room[7:10], room[10]
+    x, first, second, stress = room[11, :3], room[12, :3], room[12, 3:6], room[12, 6:]
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                metric[i, j] += f[k, i] * f[k, j]
+    principal(metric, x, axes)
     scale = det ** (-2.0 / 3.0)
-    energy, first, second = 0.0, np.zeros(3), np.zeros(3)
+    energy = 0.0
     for q in range(len(c) // 2):
         mu, alpha = c[2 * q], c[2 * q + 1]
         for k in range(3):
@@ -130,46 +177,46 @@ def ogden(f, h, det, c, p, a):
             energy += mu / alpha * (power - 1.0)
             first[k] += mu / 2 * power  # y dw/dy
             second[k] += mu * alpha / 4 * power  # y d(y dw/dy)/dy
-    mean, mean2 = np.sum(first) / 3, np.sum(second) / 9
-    stress = 2 * (first - mean) / x
-    rate = np.empty((3, 3))  # d stress_a / d x_b
+    mean, mean2 = (first[0] + first[1] + first[2]) / 3, (second[0] + second[1] + second[2]) / 9
     for k in range(3):
+        stress[k] = 2 * (first[k] - mean) / x[k]
         for m in range(3):
             rate[k, m] = 2 * (mean2 - (second[k] + second[m]) / 3) / (x[k] * x[m])
-            if k == m:
-                rate[k, k] += 2 * second[k] / x[k] ** 2 - stress[k] / x[k]
-    shear = np.empty((3, 3))
-    for k in range(3):
-        for m in range(3):
-            apart = x[k] - x[m]
-            if abs(apart) > 1e-6 * (x[k] + x[m]):
-                shear[k, m] = (stress[k] - stress[m]) / apart
-            else:
-                shear[k, m] = (rate[k, k] + rate[m, m]) / 2 - rate[k, m]
-    spatial = f @ axes  # columns: F N_a
-    p[:] = 0.0
-    for k in range(3):
-        for i in range(3):
-            for j in range(3):
-                p[i, j] += stress[k] * spatial[i, k] * axes[j, k]
-    s = np.zeros((3, 3))
-    for k in range(3):
-        for i in range(3):
-            for j in range(3):
-                s[i, j] += stress[k] * axes[i, k] * axes[j, k]
+        rate[k, k] += 2 * second[k] / x[k] ** 2 - stress[k] / x[k]
     for i in range(3):
-        for j in range(3):
+        for k in range(3):
+            for j in range(3):
+                moved[i, k] += f[i, j] * axes[j, k]
+    for k in range(3):
+        for i in range(3):
+            for j in range(3):
+                own[k, 3 * i + j] = moved[i, k] * axes[j, k]
+    p[:] = 0.0
+    a[:] = 0.0
+    for k in range(3):
+        for n in range(9):
+            p[n // 3, n % 3] += stress[k] * own[k, n]
             for m in range(3):
+                with_rate[k, n] += 2 * rate[k, m] * own[m, n]
+        for i in range(3):
+            for j in range(3):
                 for n in range(3):
-                    value = s[j, n] if i == m else 0.0
-                    for k in range(3):
-                        left = spatial[i, k] * axes[j, k]
-                        for o in range(3):
-                            value += 2 * rate[k, o] * left * spatial[m, o] * axes[n, o]
-                            if k != o:
-                                value += shear[k, o] * spatial[i, k] * axes[j, o] * (
-                                    spatial[m, k] * axes[n, o] + spatial[m, o] * axes[n, k])
-                    a[3 * i + j, 3 * m + n] = value
+                    a[3 * i + j, 3 * i + n] += stress[k] * axes[j, k] * axes[n, k]
+        for row in range(9):
+            for column in range(9):
+                a[row, column] += own[k, row] * with_rate[k, column]
+        m = (k + 1) % 3
+        apart = x[k] - x[m]
+        if abs(apart) > 1e-6 * (x[k] + x[m]):
+            quotient = (stress[k] - stress[m]) / apart
+        else:
+            quotient = (rate[k, k] + rate[m, m]) / 2 - rate[k, m]
+        for i in range(3):
+            for j in range(3):
+                shear[3 * i + j] = moved[i, k] * axes[j, m] + moved[i, m] * axes[j, k]
+        for row in range(9):
+            for column in range(9):
+                a[row, column] += quotient * shear[row] * shear[column]
     return energy
 
 

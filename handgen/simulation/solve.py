@@ -49,7 +49,7 @@ DRAG = 1.0
 CALM, LIGHT = 0.1, 10.0 * DRAG
 """Drag over the largest acting force below which the finger is let go: at once, in case the state was only
 hard to find, and again when the drag has become light."""
-RELAXATIONS = 80
+RELAXATIONS = 40
 """Steps of artificial time at most."""
 
 
