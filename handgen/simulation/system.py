@@ -404,7 +404,7 @@ class System:
             energy += cavity.add_pressure(x, self.faces, load.pressure, *self.groups["faces"], force, matrix)
         if load.weight and self.gravity.any():
             pull = load.weight * self.masses[:, None] * self.gravity
-            energy -= (pull * x).sum()
+            energy -= (pull * x)[self.body == NEVER].sum()
             free = self.node_dofs >= 0
             np.subtract.at(force, self.node_dofs[free], pull[free])
             for b in range(len(self.bones.start) if self.bones is not None else 0):
@@ -419,7 +419,8 @@ class System:
 
     def _centres(self, b: int):
         """(straight points, masses) of bone b: its rigid part and its nodes in deformable elements."""
-        mine = (self.body == b) & (self.masses > 0)
+        # Corners of 20-node elements have masses below zero: all count, or the bone is too heavy.
+        mine = (self.body == b) & (self.masses != 0)
         e = self.exoskeleton
         points = np.vstack([self.straight[mine], e.mass_points[b:b + 1]])
         return points, np.append(self.masses[mine], e.volumes[b] * self.case.tpu.density)
