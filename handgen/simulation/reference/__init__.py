@@ -18,10 +18,14 @@ import numpy as np
 
 from handgen.errors import EngineError
 from handgen.simulation.case import Case, Curve, State
+from handgen.simulation.reference.tube import Division
 
 
-def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:
+def simulate(case: Case, progress: Callable[[str], None] | None = None,
+             division: Division | None = None) -> Curve:
     """Bend `case` through all of its points; states carry numbers, no fields.
+
+    `division` of the actuator into elements; left out, the standard one, `case.refine` times halved.
 
     Raises:
         EngineError: the package ngsolve is missing.
@@ -46,7 +50,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
     targets = [(weight, p, t) for p in ((0.0,) if alone else case.pressures)
                for t in (case.tip_loads if alone else case.tip_loads[:1])]
     with ngsolve.TaskManager():
-        model = Model(case)
+        model = Model(case, division)
         balance = Balance(model.form, model.space, model.loads, model.upright)
         first = weight, 0.0, 0.0 if alone else targets[0][2]
         say(f"{sum(balance.space.FreeDofs(True))} unknowns")

@@ -20,10 +20,10 @@ HUNG = 3.0
 class Model:
     """The equations of `case`: `form` on `space`, driven by `loads` (weight's share, pressure, tip load)."""
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, division: tube.Division | None = None):
         import ngsolve as ng
 
-        self.case = case
+        self.case, self.division = case, division or tube.Division().finer(case.refine)
         self.axis = Axis(case.finger, case.fillet) if case.part != "actuator" else None
         self.mesh, self.nodes, self.straight = self._mesh()
         self.drawn = self.straight if self.axis is None else self.axis.carry(self.straight)
@@ -47,10 +47,9 @@ class Model:
         """(mesh, its quadratic functions, (n, 3) their nodes in the straight finger)."""
         case, bodies, places = self.case, [], {}
         if case.part != "exoskeleton":
-            division = tube.Division().finer(case.refine)
-            depth = case.winding.depth if case.winding else 0.0
-            bodies.append(tube.drawing(case.actuator, case.held, division))
-            places[tube.NAME] = lambda points: tube.placed(case.actuator, depth, division.around, points)
+            depth, around = case.winding.depth if case.winding else 0.0, self.division.around
+            bodies.append(tube.drawing(case.actuator, case.held, self.division))
+            places[tube.NAME] = lambda points: tube.placed(case.actuator, depth, around, points)
         if case.part != "actuator":
             body, middles, curved = slotted.drawing(case.finger, case.fillet, case.refine)
             bodies.append(body)

@@ -1,0 +1,122 @@
+"""The solid model beside NGSolve: `python -m tests.benchmarks.bend_reference [actuator|exoskeleton|speed]`.
+
+Prints markdown: every point of the free actuator and of the bare exoskeleton by both, what each cost and how
+far it went; then what NGSolve costs where its error is no larger than ours, both held against the finest
+affordable NGSolve solution. Kernels are compiled before a clock starts; seconds are of the wall and, as other
+work on the machine stretches those, of the processor.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+import time
+from dataclasses import replace
+
+from handgen.simulation import reference, solid
+from handgen.simulation.case import Case, Curve
+from handgen.simulation.reference.tube import Division
+from tests.fingers import case
+
+CASES = {
+    "actuator, weightless": ("elongation", dict(
+        part="actuator", pressures="0:60:10", orientation="weightless")),
+    "actuator, palm down": ("tip_drop", dict(part="actuator", pressures="0:60:10")),
+    "exoskeleton": ("tip_drop", dict(part="exoskeleton", tip_loads="0,0.07,0.16,0.28,0.41,0.56")),
+}
+"""What is compared, and of which part."""
+COARSER = (Division(4, 1, 1, 1, 2, 1), Division(6, 1, 1, 1, 2, 1), Division(8, 1, 1, 1, 3, 1),
+           Division(12, 1, 1, 1, 3, 1), Division(16, 2, 1, 1, 4, 2), Division(22, 2, 1, 1, 4, 2), Division())
+"""NGSolve's meshes of the actuator, coarsest first."""
+FINEST = Division(50, 3, 2, 2, 7, 2)
+ROUNDS = 5
+"""Of the faster solver; its median counts."""
+
+
+class Run:
+    """One curve with its seconds."""
+
+    def __init__(self, simulate, *arguments):
+        wall, used = time.perf_counter(), time.process_time()
+        self.curve: Curve = simulate(*arguments)
+        self.wall, self.used = time.perf_counter() - wall, time.process_time() - used
+
+    def row(self, name: str) -> str:
+        c = self.curve
+        points = sum(s.converged for s in c.states)
+        return (f"| {name} | {c.unknowns} | {c.factorisations} | {self.wall:.2f} | {self.used:.2f} | "
+                f"{points} of {len(c.states)} points {c.stopped} |")
+
+
+def values(curve: Curve, observable: str) -> list[float | None]:
+    return [getattr(state, observable) for state in curve.states]
+
+
+def compared(what: str, observable: str, one: Case) -> None:
+    """Ours at two refinements and NGSolve, point by point."""
+    runs = {"ours": Run(solid.simulate, one), "ours, refined": Run(solid.simulate, replace(one, refine=1)),
+            "NGSolve": Run(reference.simulate, one)}
+    print(f"\n### {what}: {observable}, mm\n")
+    print("| load | ours | ours, refined | NGSolve | difference, % | refined, % |")
+    print("|---|---|---|---|---|---|")
+    columns = [values(run.curve, observable) for run in runs.values()]
+    for state, ours, fine, other in zip(runs["ours"].curve.states, *columns, strict=True):
+        load = f"{state.tip_load:.2f} N" if one.part == "exoskeleton" else f"{1e3 * state.pressure:.0f} kPa"
+        cells = [" - " if v is None else f"{v:.3f}" for v in (ours, fine, other)]
+        off = [" - " if None in (v, other) or abs(other) < 0.1 else f"{100 * (v / other - 1):+.2f}"
+               for v in (ours, fine)]
+        print("| " + " | ".join([load, *cells, *off]) + " |")
+    print("\n| solver | unknowns | factorisations | wall s | processor s | reached |")
+    print("|---|---|---|---|---|---|")
+    for name, run in runs.items():
+        print(run.row(name), flush=True)
+
+
+def speed() -> None:
+    """Ours and NGSolve at equal error, free actuator, 20, 40 and 60 kPa."""
+    one = case("actuator", pressures="20,40,60", orientation="weightless")
+    ours = [Run(solid.simulate, one) for _ in range(ROUNDS)]
+    truth = Run(reference.simulate, one, None, FINEST)
+
+    def error(run: Run) -> float:
+        pairs = zip(values(run.curve, "elongation"), values(truth.curve, "elongation"), strict=True)
+        return max(abs(v / t - 1) for v, t in pairs)
+
+    print("\n### Speed at equal error: free actuator to 60 kPa, elongation\n")
+    print("| solver | largest error, % | unknowns | factorisations | wall s | processor s | reached |")
+    print("|---|---|---|---|---|---|---|")
+
+    def line(name: str, run: Run) -> None:
+        print(run.row(f"{name} | {100 * error(run):.3f}"), flush=True)
+
+    wall = statistics.median(run.wall for run in ours)
+    used = statistics.median(run.used for run in ours)
+    fastest = min(ours, key=lambda run: abs(run.wall - wall))
+    line(f"ours, median of {ROUNDS}", fastest)
+    line("NGSolve, finest", truth)
+    for division in COARSER:
+        run = Run(reference.simulate, one, None, division)
+        line(f"NGSolve {division.along} x {division.around}", run)
+        if error(run) <= error(fastest):
+            print(f"\nAt no larger error NGSolve takes {run.wall / wall:.1f} times our wall time and "
+                  f"{run.used / used:.1f} times our processor time.")
+            break
+    standard = Run(reference.simulate, one)
+    line("NGSolve, standard", standard)
+    print(f"\nIts standard mesh takes {standard.wall / wall:.1f} and {standard.used / used:.1f} times ours, "
+          f"the finest {truth.wall / wall:.0f} and {truth.used / used:.0f}.")
+
+
+def main(wanted: list[str]) -> None:
+    print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}")
+    solid.simulate(case("assembly", pressures="0,2"))
+    for what, (observable, arguments) in CASES.items():
+        if not wanted or what.split(",")[0] in wanted:
+            compared(what, observable, case(**arguments))
+    if not wanted or "speed" in wanted:
+        speed()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
