@@ -159,6 +159,21 @@ def test_everything_is_asked_before_anything_is_solved(stand_in):
     assert not wanted
 
 
+def test_loads_beyond_every_silicone_are_reported_where_the_file_says_them(tmp_path, stand_in):
+    data = yaml.safe_load(COIMBRA.read_text(encoding="utf-8"))
+    data["hand"] = str(PARAMS / "thesis_hand.yaml")
+    data["tests"][2]["load"]["values"][-1] = 400.0
+    file = tmp_path / "measured.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    wanted = stand_in()
+    with pytest.raises(InputError) as caught:
+        validation.validate(file, ["literature", "calibrated"])
+    (problem,) = caught.value.problems
+    assert (problem.file, problem.path, problem.value) == (
+        str(file), "tests.assembly-pressure.load.values", 400.0)
+    assert not wanted
+
+
 def test_one_model_twice_is_refused(stand_in):
     stand_in()
     with pytest.raises(InputError, match="name of two models"):

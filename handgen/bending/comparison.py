@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from handgen.bending.request import Request, request
 from handgen.errors import InputError, Problem
@@ -16,6 +16,11 @@ from handgen.simulation.case import Curve
 
 FROM_STATE = {"tip_drop": 1.0, "elongation": 1.0, "tip_force": 1.0, "bend_angle": 180.0 / math.pi}
 """Observables are values of a state of this name, in these units of it."""
+
+
+IN_FILE = {"--pressures": "load.values", "--tip-loads": "load.values", "--obstacle": "obstacle",
+           "--orientation": "orientation"}
+"""Options of `handgen bend`, and the keys of a test that they come from."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +46,22 @@ def asked(measured: Measured, test: Test, model: str | os.PathLike, more: Sequen
                                   "cannot be simulated: a model has no memory of earlier loads", "loading")])
     values = sorted({*test.load.values, *more})
     row = {"tip_loads": values} if test.load.quantity == "tip_load" else {"pressures": values}
-    return request(measured.hand, finger=measured.measurements.finger, part=test.part, model=model,
-                   orientation=test.orientation, obstacle=test.obstacle, **row)
+    try:
+        return request(measured.hand, finger=measured.measurements.finger, part=test.part, model=model,
+                       orientation=test.orientation, obstacle=test.obstacle, **row)
+    except InputError as error:
+        raise InputError(_in_file(error.problems, measured, test)) from None
+
+
+def _in_file(problems: Sequence[Problem], measured: Measured, test: Test) -> list[Problem]:
+    """Problems of a command line that nobody typed, where the file says it; points between are left out."""
+    found = []
+    for problem in problems:
+        if (key := IN_FILE.get(problem.path)) is None:
+            found.append(problem)
+        elif key != "load.values" or problem.value in test.load.values:
+            found.append(replace(problem, file=str(measured.file), path=f"tests.{test.id}.{key}"))
+    return found
 
 
 def observed(test: Test, curve: Curve) -> list[float | None]:
