@@ -14,7 +14,7 @@ from matplotlib import colormaps, image
 
 import handgen
 from handgen import cli
-from handgen.bending import curl, states
+from handgen.bending import curl, figure, states
 from handgen.errors import EngineError
 from handgen.parameters.load import load
 from handgen.simulation.case import Curve, Grid, State
@@ -48,10 +48,10 @@ def test_the_json_is_the_contracts(part, stub, tmp_path, capsys):
 
 
 def test_pressures_come_back_as_they_were_asked_for(stub, tmp_path, capsys):
-    _, data, _, _ = bend(capsys, tmp_path, "--pressures", "0", "0.1,12.3", "33.3", "70")
-    assert [p["pressure_kPa"] for p in data["points"]] == [0, 0.1, 12.3, 33.3, 70]
+    _, data, _, _ = bend(capsys, tmp_path, "--pressures", "0", "0.9,12.3", "33.3", "70")
+    assert [p["pressure_kPa"] for p in data["points"]] == [0, 0.9, 12.3, 33.3, 70]
     assert [p["bend_angle_deg"] for p in data["points"]] == pytest.approx(
-        [math.degrees(0.02 * p) for p in (0, 0.1, 12.3, 33.3, 70)])
+        [math.degrees(0.02 * p) for p in (0, 0.9, 12.3, 33.3, 70)])
 
 
 def test_the_csv_says_what_the_json_says(stub, tmp_path, capsys, monkeypatch):
@@ -233,6 +233,16 @@ def test_the_picture_is_coloured_by_one_scale_that_its_bar_shows(stub, tmp_path,
     assert right == pytest.approx(np.array(colormaps[curl.COLOURS](1.0)[:3]), abs=0.1)
 
 
+def test_the_picture_shows_the_obstacle(stub, tmp_path, capsys):
+    """A dark line as wide as the only finger; its top 3 mm above the axis, the palm side 10 mm below."""
+    _, _, _, folder = bend(capsys, tmp_path, "--pressures", "0", "--obstacle", "60")
+    dark = image.imread(folder / "curl.png")[:-170, :, :3].max(axis=2) < 0.3
+    rows = np.nonzero(dark.mean(axis=1) > 0.8)[0]
+    below = rows[-1] - np.nonzero(dark.any(axis=1))[0][0]
+    scale = dark[rows[-1]].sum() / 102.5
+    assert below / scale == pytest.approx(3 + 10 + 60, rel=0.02)
+
+
 def test_a_machine_that_cannot_draw_loses_only_the_picture(stub, tmp_path, capsys, monkeypatch):
     def blind(*arguments):
         raise EngineError("no OpenGL to draw with")
@@ -261,6 +271,19 @@ def test_what_killed_runs_left_is_cleared(stub, tmp_path, capsys):
     shutil.rmtree(folder, ignore_errors=True)
     _, again, _, _ = bend(capsys, tmp_path, "--pressures", "0,10")
     assert again["cached"] and again["points"] == data["points"]
+    assert [p.name for p in folder.parent.iterdir()] == [folder.name]
+
+
+def test_a_folder_that_was_laid_aside_comes_back_if_the_next_run_fails(stub, tmp_path, capsys, monkeypatch):
+    _, _, _, folder = bend(capsys, tmp_path, "--pressures", "0,10")
+    folder.rename(folder.with_name(f".{folder.name}.previous"))
+
+    def full(path, document):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(figure, "draw", full)
+    assert cli.main(["bend", ADULT_FILE, "--solver", "stub", "--out", str(tmp_path / "out")]) == 3
+    assert json.loads((folder / "bend.json").read_text())["reached"] == 10
     assert [p.name for p in folder.parent.iterdir()] == [folder.name]
 
 

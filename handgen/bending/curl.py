@@ -27,8 +27,11 @@ LEAST_RANGE = 0.05
 """Of stretch: a finger that is hardly strained is not shown in all colours."""
 
 
-def draw(path: Path, curve: Curve, states: Sequence[State], labels: Sequence[str]) -> None:
+def draw(path: Path, curve: Curve, states: Sequence[State], labels: Sequence[str],
+         plane: float | None = None) -> None:
     """The fingers of `states` side by side to one scale, their roots in line, with one colour bar.
+
+    `plane`: height z of an obstacle, mm, drawn as a line.
 
     Raises:
         EngineError: this machine cannot draw off screen.
@@ -39,6 +42,8 @@ def draw(path: Path, curve: Curve, states: Sequence[State], labels: Sequence[str
     surfaces = {body: surface(grid) for body, grid in curve.grids.items()}
     everything = np.vstack([p for state in states for p in state.positions.values()]) @ axes[:2].T
     low, high = everything.min(axis=0), everything.max(axis=0)
+    if plane is not None:
+        low[1] = min(low[1], plane)
     scale, height, places = preview.layout([(low, high)] * len(states), min(COLUMNS, len(states)))
     height += BAR
     most = max(float(s.max()) for state in states for s in state.stretch.values())
@@ -56,6 +61,9 @@ def draw(path: Path, curve: Curve, states: Sequence[State], labels: Sequence[str
                 show_scalar_bar=False, interpolation="gouraud", ambient=AMBIENT, diffuse=1.0 - AMBIENT)
             lines = mesh.extract_feature_edges(SHARP, manifold_edges=False, non_manifold_edges=False)
             plotter.add_mesh(lines, color=INK, line_width=1.2)
+        if plane is not None:
+            ends = np.array([(low[0], 0.0, plane), (high[0], 0.0, plane)]) + shift
+            plotter.add_mesh(pyvista.Line(*ends), color=INK, line_width=3)
         preview.caption(plotter, label, (left, below))
     plotter.add_scalar_bar("", mapper=coloured.mapper, n_labels=5, fmt="%.2f", color=INK, label_font_size=20,
                            width=BAR_WIDE, height=BAR_HIGH / height, position_x=(1 - BAR_WIDE) / 2,

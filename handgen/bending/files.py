@@ -81,10 +81,11 @@ def _fill(stage: Path, found: Bend, say: Callable[[str], None]) -> None:
     unit = "N" if bare else "kPa"
     states.write_states(found.curve, stage, _file_names(loads, unit))
     states.write_stl(found.curve, stage / SHAPE)
-    chosen = _spread(len(shown))
+    chosen, case = _spread(len(shown)), found.request.case
+    plane = None if case.obstacle is None else -float(case.finger.outer(0.0)) - case.obstacle
     try:
         curl.draw(stage / PICTURE, found.curve, [shown[i] for i in chosen],
-                  [f"{loads[i]:.4g} {unit}" for i in chosen])
+                  [f"{loads[i]:.4g} {unit}" for i in chosen], plane)
     except EngineError as error:
         say(f"warning: {LEFT_OUT} ({error})")
 
