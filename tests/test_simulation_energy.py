@@ -65,7 +65,7 @@ class Cycle:
 
 @pytest.mark.parametrize(("part", "pressure"), [
     ("actuator", 0.03),
-    pytest.param("assembly", 0.03, marks=pytest.mark.xfail(reason="bones are weighed too heavy"))])
+    ("assembly", 0.03)])
 def test_without_friction_all_work_is_stored_and_comes_back(part, pressure):
     system = System(case(part))
     cycle = Cycle(system, pressure)

@@ -1,4 +1,4 @@
-"""The solid model beside NGSolve at equal refinement; tests/benchmarks/bend_reference.py has the whole table."""
+"""The solid model beside NGSolve at equal refinement; benchmarks/bend_reference.py has the whole table."""
 
 from __future__ import annotations
 

@@ -147,8 +147,7 @@ class Solver:
         s, q = self.system, point.q
         if self._slope is None and self.cost.steps and not self._stable(point):
             return None
-        s.extrapolate(q, np.zeros_like(q))
-        _, force, _, _ = s.assemble(q, load, exact=False)
+        _, force, _, _ = s.assemble(q, load, exact=True)
         change = np.subtract(load.parts, point.load.parts)
         size = float(np.abs(change / STEPS.parts).max())
         first = -self.matrix.solve(force)
