@@ -2,8 +2,8 @@
 
 Nothing of the kernels is used: energies are summed over the elements' points from singular values of F and
 the library's laws, over the thread's edges, the chamber and the pairs of contact, differentiated by moving
-each node of each element to and fro. Of the project: the mesh (what is a node, an element, an edge of the thread,
-a point of contact) and the profile. Bones are taken from where their nodes went.
+each node of each element to and fro. Of the project: the mesh (what is a node, an element, an edge of the
+thread, a point of contact) and the profile. Bones are taken from where their nodes went.
 
 Friction depends on the way, which a state does not tell: what balances with some friction no larger than mu
 times each point's normal force is in balance (`Balance.unbalanced`).
