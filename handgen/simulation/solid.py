@@ -47,7 +47,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
             if there:
                 states.append(observe.state(system, point, _note(point)))
                 reached = target.tip if case.part == "exoskeleton" else target.pressure
-                say(_line(states[-1]))
+                say(f"{_amount(case, target)}: tip {states[-1].tip_drop:.1f} mm below the palm")
                 continue
             stopped = f"no stable state was found beyond {_amount(case, point.load)}"
         states.append(State(target.pressure, target.tip, False, note=stopped))
@@ -77,7 +77,3 @@ def _note(point) -> str:
 def _amount(case: Case, load) -> str:
     return f"{load.tip:.3g} N" if case.part == "exoskeleton" else f"{1e3 * load.pressure:.1f} kPa"
 
-
-def _line(state: State) -> str:
-    load = f"{1e3 * state.pressure:.0f} kPa, {state.tip_load:.2f} N"
-    return f"{load}: tip {state.tip_drop:.1f} mm below the palm"
