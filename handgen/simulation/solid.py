@@ -12,6 +12,9 @@ THREADS = "HANDGEN_THREADS"
 """Environment variable: threads that share the elements of one bend. Two by default, where there are two
 cores; more do not pay. One where many bends run side by side."""
 
+FACTORISER = "HANDGEN_FACTORISER"
+"""Environment variable: CHOLMOD, PARDISO or SuperLU; if not set, CHOLMOD, or SuperLU without cvxopt."""
+
 
 def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:
     """Bend `case` from no load through all of its points, in the order asked for.
@@ -20,6 +23,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
 
     Raises:
         ValueError: a law that the kernels do not know, or gravity across the plane of symmetry.
+        KeyError, ImportError: there is no such factoriser.
     """
     say = progress or (lambda line: None)
     if case.gravity[1] != 0.0:
@@ -32,7 +36,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
 
     begun = time.perf_counter()
     system = System(case, _threads())
-    solver = Solver(system)
+    solver = Solver(system, os.environ.get(FACTORISER, ""))
     weight = 1.0 if any(case.gravity) else 0.0
     targets = ([Load(weight, 0.0, t) for t in case.tip_loads] if case.part == "exoskeleton"
                else [Load(weight, p, case.tip_loads[0]) for p in case.pressures])

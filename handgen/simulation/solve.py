@@ -78,9 +78,9 @@ class Cost:
 class Solver:
     """Follows the equilibrium of `system` from no load."""
 
-    def __init__(self, system: System, factorisers: str = ""):
+    def __init__(self, system: System, factoriser_name: str = ""):
         self.system = system
-        self.matrix = factoriser(system.pattern, factorisers)
+        self.matrix = factoriser(system.pattern, factoriser_name)
         self.cost = Cost()
         self.folds: list[float] = []
         self.stopped = ""

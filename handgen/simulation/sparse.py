@@ -3,7 +3,8 @@
 A factoriser takes the lower triangle and says whether it is positive definite: the tangent of a stable
 state is, so that a Cholesky that fails is itself the guard. CHOLMOD (Y. Chen, T. A. Davis, W. W. Hager,
 S. Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22) through cvxopt is the fastest small one; without it
-scipy's SuperLU does the same, several times slower.
+scipy's SuperLU does the same, several times slower. PARDISO is there for those who have it (the extra
+`pardiso`: several hundred megabytes).
 """
 
 from __future__ import annotations
@@ -122,12 +123,60 @@ class SuperLU:
         return self._lu.solve(right)
 
 
-def factoriser(pattern: Pattern, name: str = "") -> Cholmod | SuperLU:
-    """The best factoriser at hand, or the one of that name."""
-    if name != SuperLU.name:
+class Pardiso:
+    """Intel MKL's L D L' for symmetric matrices: counts negative pivots and solves in any case."""
+
+    name = "PARDISO"
+    SYMMETRIC, ANALYSE, FACTORISE, SOLVE = -2, 11, 22, 33
+    NEGATIVE = 22
+    """Place in `iparm` where PARDISO leaves the number of negative eigenvalues."""
+
+    def __init__(self, pattern: Pattern):
+        from pypardiso import PyPardisoSolver
+        from scipy.sparse import csr_matrix
+
+        starts = np.concatenate([[0], np.cumsum(np.bincount(pattern.columns, minlength=pattern.size))])
+        # The lower triangle column by column is the upper one row by row, which PARDISO wants.
+        self._upper = csr_matrix((np.ones(pattern.entries), pattern.rows, starts),
+                                 shape=(pattern.size, pattern.size))
+        self._solver = PyPardisoSolver(mtype=self.SYMMETRIC)
+        self._run(self.ANALYSE, np.zeros((pattern.size, 1)))
+
+    def factorise(self, values: np.ndarray) -> bool:
+        return self.indefinite(values) == 0
+
+    def indefinite(self, values: np.ndarray) -> int:
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
+        self._upper.data[:] = values
         try:
-            return Cholmod(pattern)
-        except ImportError:
-            if name:
-                raise
-    return SuperLU(pattern)
+            self._run(self.FACTORISE, np.zeros((len(self._upper.indptr) - 1, 1)))
+        except PyPardisoError:
+            return self._upper.shape[0]
+        return int(self._solver.iparm[self.NEGATIVE])
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        return self._run(self.SOLVE, right.reshape(-1, 1)).ravel()
+
+    def _run(self, phase: int, right: np.ndarray) -> np.ndarray:
+        # Its public `solve` compares whole matrices to see whether it may reuse a factor; we know.
+        self._solver.set_phase(phase)
+        return self._solver._call_pardiso(self._upper, np.asfortranarray(right))
+
+
+FACTORISERS = {kind.name: kind for kind in (Cholmod, Pardiso, SuperLU)}
+
+
+def factoriser(pattern: Pattern, name: str = "") -> Cholmod | Pardiso | SuperLU:
+    """CHOLMOD, SuperLU where cvxopt is missing, or the one called `name`.
+
+    Raises:
+        KeyError: there is none of this name.
+        ImportError: its package is missing.
+    """
+    if name:
+        return FACTORISERS[name](pattern)
+    try:
+        return Cholmod(pattern)
+    except ImportError:
+        return SuperLU(pattern)
