@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from handgen.bending import calibration, solve
-from handgen.bending.comparison import asked, gap, readings
+from handgen.bending.comparison import asked, gap, observed
 from handgen.measurements import load_measurements
 from handgen.measurements.statistics import means
 
@@ -49,7 +49,7 @@ def variations(found: calibration.Calibration):
 
 def answer(measured, test, change) -> list[float | None]:
     wanted = asked(measured, test, "calibrated")
-    return readings(test, solve(replace(wanted, case=change(wanted.case))).curve)
+    return observed(test, solve(replace(wanted, case=change(wanted.case))).curve)
 
 
 def row(what: str, test, simulated: list[float | None]) -> str:
