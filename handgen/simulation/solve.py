@@ -36,7 +36,7 @@ STEPS = Load(0.1, 0.004, 0.06)
 """First steps: share of own weight, MPa, N."""
 LONGEST = Load(0.5, 0.020, 0.20)
 SHORTEST = Load(0.01, 0.0002, 0.002)
-GROWTH, CUT = 1.5, 0.5
+GROWTH, CUT = 2.0, 0.5
 """Of a step after an easy and after a failed one."""
 EASY = 6
 """Iterations up to which the next step may be longer."""
