@@ -83,6 +83,7 @@ class Body:
         self.pattern = Pattern(self.dofs, self.nodes.size)
         m, n, g = len(self.cells), len(self.nodes), self.weight.shape[1]
         self.stress, self.pressure = np.zeros((m, g, 3, 3)), np.zeros((m, g))
+        self.first, self.moduli = np.zeros((m, g, 3, 3)), np.zeros((m, g, 9, 9))
         self.free_of_bodies = np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(m, bool)
 
     def assemble(self, x: np.ndarray, air: float = 0.0, exact: bool = True):
@@ -93,7 +94,8 @@ class Body:
         frames, curves, framed = self.free_of_bodies
         energy, least = element.assemble(
             x, self.cells, self.dn, self.weight, self.form, self.constants, self.bulk, self.mean, self.stress,
-            self.pressure, exact, self.dofs[0], self.pattern.places[0], frames, curves, framed, force, values)
+            self.pressure, exact, self.first, self.moduli, self.dofs[0], self.pattern.places[0],
+            frames, curves, framed, force, values)
         assert least > 0, "an element is turned inside out"
         if air:
             energy += cavity.add_pressure(
@@ -103,8 +105,9 @@ class Body:
         return energy, force.reshape(-1, 3), (lower + tril(lower, -1).T).tocsc()
 
     def extrapolate(self, x: np.ndarray, step: np.ndarray) -> None:
-        element.extrapolate(x, step, self.cells, self.dn, self.weight, self.form, self.constants, self.bulk,
-                            self.mean, self.stress, self.pressure)
+        self.assemble(x)
+        element.extrapolate(x, step, self.cells, self.dn, self.weight, self.bulk, self.mean, self.first,
+                            self.moduli, self.stress, self.pressure)
 
     def solve(self, fixed: np.ndarray, place: Callable[[float], np.ndarray] | None = None, air: float = 0.0,
               steps: int = 4) -> tuple[np.ndarray, np.ndarray]:

@@ -300,13 +300,14 @@ def add_stiffness(a, dn, w, across, moved, kc):
 
 
 @njit(cache=True, nogil=True)
-def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure, exact,
+def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure, exact, first, moduli,
              dofs, place, frames, curves, framed, force, matrix):
     """Add internal forces and tangent of all elements; returns (energy, least J).
 
     x (N, 3) nodes, mm; dn (m, g, n, 3) gradients and weight (m, g) volumes of the points; `mean`: Q1P0;
     stress (m, g, 3, 3), isochoric, and pressure (m, g), of Q1P0 the first of a row: the extrapolated ones,
-    not used where `exact`.
+    not used where `exact`. Writes `first` (m, g, 3, 3) and `moduli` (m, g, 9, 9), isochoric, from which
+    `extrapolate` goes on.
     Nodes that belong to a rigid body: frames (N, 3, 3) their slopes with respect to its three unknowns,
     curves (N, 3) the second derivative with respect to its rotation; `framed` (m,): has such nodes.
     dofs (m, 3 n) unknowns, -1 for none; place (m, 3 n, 3 n) where in `matrix` an entry goes, -1 nowhere.
@@ -342,6 +343,8 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
             least = min(least, det)
             w = weight[e, g]
             energy += w * law_at(form, f, h, det, constants, p, a)
+            first[e, g] = p
+            moduli[e, g] = a
             if not exact:
                 _second_piola(f, h, p, s)
                 for j in range(3):
@@ -437,10 +440,13 @@ def scatter(dofs, place, fe, ke, force, matrix):
 
 
 @njit(cache=True, nogil=True)
-def extrapolate(x, step, cells, dn, weight, form, constants, bulk, mean, stress, pressure):
-    """Write stress and pressure after the nodes' `step` (N, 3) from `x`, to first order."""
+def extrapolate(x, step, cells, dn, weight, bulk, mean, first, moduli, stress, pressure):
+    """Write stress and pressure after the nodes' `step` (N, 3) from `x`, to first order.
+
+    `first` and `moduli` are those of `x`: it is where `assemble` was last.
+    """
     count, points, nodes, _ = dn.shape
-    f, h, p, a, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((9, 9)), np.empty((3, 3))
+    f, h, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     df, dp, slopes = np.empty((3, 3)), np.empty((3, 3)), np.empty((nodes, 3))
     for e in range(count):
         cell = cells[e]
@@ -455,7 +461,7 @@ def extrapolate(x, step, cells, dn, weight, form, constants, bulk, mean, stress,
             gradient_at(x, cell, dn[e, g], f)
             gradient_at(step, cell, dn[e, g], df)
             det = inverse_transposed(f, h)
-            law_at(form, f, h, det, constants, p, a)
+            p, a = first[e, g], moduli[e, g]
             if not mean:
                 grown = 0.0
                 for i in range(3):

@@ -93,6 +93,7 @@ class Solver:
     def begin(self) -> Point | None:
         """The unloaded state, which is in balance as drawn."""
         s, point = self.system, Point(Load(), np.zeros(self.system.size), 0.0)
+        s.assemble(point.q, point.load, exact=True)
         s.extrapolate(point.q, np.zeros_like(point.q))
         # Surfaces that just touch would let the first predictor pass through them: half of it they hold.
         s.grip = SOFT
@@ -212,6 +213,7 @@ class Solver:
         centre, strength, untried = q, DRAG, True
         s.rubbing[:] = s.normal
         for _ in range(RELAXATIONS):
+            s.assemble(centre, load, exact=True)
             s.extrapolate(centre, np.zeros_like(centre))
             found = self._newton(centre, load, strength * s.inertia, centre)
             if found is None:

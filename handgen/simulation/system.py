@@ -62,7 +62,7 @@ def kernel_law(law: Law) -> tuple[int, np.ndarray]:
 
 @dataclass
 class Block:
-    """The elements of one material, with what Newton extrapolates at their points."""
+    """The elements of one material, with what Newton extrapolates at their points, and from what."""
 
     cells: np.ndarray
     dn: np.ndarray
@@ -77,6 +77,8 @@ class Block:
 
     def __post_init__(self):
         self.stress = np.zeros((*self.weight.shape, 3, 3))
+        self.first = np.zeros_like(self.stress)
+        self.moduli = np.zeros((*self.weight.shape, 9, 9))
         self.pressure = np.zeros(self.weight.shape)
 
 
@@ -359,8 +361,8 @@ class System:
                 at = self._part(number, len(b.cells))
                 part, low = element.assemble(
                     x, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk, b.mean,
-                    b.stress[at], b.pressure[at], exact, b.dofs[at], b.place[at], frames, curves,
-                    b.framed[at], force, matrix)
+                    b.stress[at], b.pressure[at], exact, b.first[at], b.moduli[at], b.dofs[at],
+                    b.place[at], frames, curves, b.framed[at], force, matrix)
                 energy, least = energy + part, min(least, low)
             return energy, force, matrix, least
 
@@ -446,7 +448,10 @@ class System:
         return energy
 
     def extrapolate(self, q: np.ndarray, step: np.ndarray) -> None:
-        """Set the stresses that Newton extrapolates to those after `step` from `q`, to first order."""
+        """Set the stresses that Newton extrapolates to those after `step` from `q`, to first order.
+
+        The system must have been assembled at `q` last: laws are not evaluated again.
+        """
         x = self.positions(q)
         slopes, _ = self._frames(q)
         moved = np.einsum("nij,nj->ni", slopes, np.where(self.dofs >= 0, step[self.dofs], 0.0))
@@ -454,8 +459,8 @@ class System:
         def share(number: int):
             for b in self.blocks:
                 at = self._part(number, len(b.cells))
-                element.extrapolate(x, moved, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants,
-                                    b.bulk, b.mean, b.stress[at], b.pressure[at])
+                element.extrapolate(x, moved, b.cells[at], b.dn[at], b.weight[at], b.bulk, b.mean,
+                                    b.first[at], b.moduli[at], b.stress[at], b.pressure[at])
 
         self._shared(share)
         if len(self.threads):
