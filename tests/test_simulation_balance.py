@@ -13,13 +13,12 @@ from tests.independent_balance import Judge
 
 LIMIT = 1e-4
 """Ten times the solver's own tolerance: a node's acting force is counted a little differently."""
-HEAVY = pytest.mark.xfail(reason="bones are weighed too heavy")
 
 
 @pytest.mark.parametrize(("part", "arguments"), [
     ("actuator", dict(pressures="0,25")),
-    pytest.param("exoskeleton", dict(tip_loads="0,0.2"), marks=HEAVY),
-    pytest.param("assembly", dict(pressures="25"), marks=HEAVY),
+    ("exoskeleton", dict(tip_loads="0,0.2")),
+    ("assembly", dict(pressures="25")),
     ("assembly", dict(pressures="20", bonded=True, orientation="weightless")),
     ("assembly", dict(pressures="25", orientation="weightless")),
 ])
