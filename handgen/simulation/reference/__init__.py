@@ -29,12 +29,15 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None,
 
     Raises:
         EngineError: the package ngsolve is missing.
-        ValueError: gravity across the plane of symmetry, an obstacle, or a law of principal stretches.
+        ValueError: gravity across the plane of symmetry, an obstacle, contact that slides, or a law of
+            principal stretches.
     """
     if case.gravity[1] != 0.0:
         raise ValueError("half of the finger is modelled: gravity may not act across its plane of symmetry")
     if case.obstacle is not None:
         raise ValueError("the reference knows no obstacle")
+    if case.part == "assembly" and not case.contact.bonded:
+        raise ValueError("the reference knows no sliding contact: an assembly must be bonded")
     try:
         import ngsolve
     except ImportError as error:

@@ -13,6 +13,8 @@ from handgen.simulation.reference import physics, slotted, tube
 from handgen.simulation.reference.curved import Quadratic
 from handgen.simulation.reference.drawing import MIDDLE, mesh_of
 
+PENALTY = 1.0
+"""N/mm3; of the springs that stand for a bond, as in the fast solver."""
 HUNG = 3.0
 """Length of the tip, mm, whose elements share the hanging weight."""
 
@@ -42,6 +44,8 @@ class Model:
             self._hang()
         if case.part != "exoskeleton":
             self._blow(along)
+        if case.part == "assembly":
+            self._tie(along)
 
     def _mesh(self):
         """(mesh, its quadratic functions, (n, 3) their nodes in the straight finger)."""
@@ -88,6 +92,26 @@ class Model:
         self.form += ng.Variation(physics.air(self.loads[1], surface, from_opening) * ng.ds(tube.CHAMBER))
         if case.winding:
             self.form += ng.Variation(physics.thread(case.winding, surface, straight) * ng.ds(tube.WOUND))
+
+    def _tie(self, straight) -> None:
+        """Springs of PENALTY between the actuator's side and the bore where a bone closes it.
+
+        Partners are sought in the mesh as it was before it was curved: along its radii, from layer 3 of the
+        prism to the bore. Closed tips stay apart: nothing pulls there.
+        """
+        import ngsolve as ng
+
+        moved, finger = self.space.TrialFunction()[0], self.case.finger
+        along, closed = straight[0], ng.CoefficientFunction(1.0)
+        for joint in finger.finger.joints:
+            past = along - joint.position
+            closed = closed * ng.IfPos(past * past - (joint.slot_length / 2) ** 2, 1.0, 0.0)
+        apart = moved - moved.Other()
+        outside, bore = (self.mesh.Boundaries(name) for name in (tube.OUTSIDE, slotted.BORE))
+        self._ties = ng.ContactBoundary(outside, bore)
+        self._ties.AddEnergy(closed * PENALTY / 2 * ng.InnerProduct(apart, apart))
+        still = ng.GridFunction(self.space)
+        self._ties.Update(still.components[0], bf=self.form, intorder=4, maxdist=finger.outer_radius(0.0))
 
     def _hang(self) -> None:
         """The weight on the tip: shared by the elements there so that it pulls at (length, 0, 0)."""
