@@ -1,9 +1,9 @@
 """A state's balance judged anew: out-of-balance forces from differences of an energy written in numpy alone.
 
-Nothing of the kernels is used: energies are summed over the elements' points from singular values of F and
-the library's laws, over the thread's edges, the chamber and the pairs of contact, differentiated by moving
-each node of each element to and fro. Of the project: the mesh (what is a node, an element, an edge of the
-thread, a point of contact) and the profile. Bones are taken from where their nodes went.
+Nothing of the kernels is used: energies are those of the library's laws at the elements' points, of the
+thread's edges, the chamber and the pairs of contact, differentiated by moving each entry of F and each node
+to and fro. Of the project: the mesh (what is a node, an element, an edge of the thread, a point of contact)
+and the profile. Bones are taken from where their nodes went.
 
 Friction depends on the way, which a state does not tell: what balances with some friction no larger than mu
 times each point's normal force is in balance (`Balance.unbalanced`).
@@ -60,27 +60,38 @@ class Judge:
             self.bodies.append((cells[~rigid], case.tpu, False))
         self.least = np.inf
 
-    # Energies of pieces: of one element, edge, face, point, by where its nodes are
+    def _solid(self, cells, substance, mean, x, force) -> np.ndarray:
+        """Add a body's forces at places x; returns its nodes' masses (m, n).
 
-    def _element(self, cells, substance, mean):
-        """(places (m, n, 3) -> energy (m,), masses of the nodes (m, n))."""
-        slopes = _slopes(cells.shape[1])
-        drawn = self.system.drawn[cells]
-        jacobian = np.einsum("mni,gnj->mgij", drawn, slopes)
-        weight, inverse = np.linalg.det(jacobian), np.linalg.inv(jacobian)
+        Stress by differences of W, and the rate of J by differences of J, along each entry of F.
+        """
+        slopes, local = _slopes(cells.shape[1]), _shapes(cells.shape[1])
+        jacobian = np.einsum("mni,gnj->mgij", self.system.drawn[cells], slopes)
+        weight = np.linalg.det(jacobian)
+        gradient = np.einsum("gnj,mgjk->mgnk", slopes, np.linalg.inv(jacobian))
+        f = np.einsum("mni,mgnk->mgik", x[cells], gradient)
+        j = np.linalg.det(f)
+        self.least = min(self.least, float(j.min()))
 
-        def energy(x):
-            f = np.einsum("mni,gnj,mgjk->mgik", x, slopes, inverse)
-            j = np.linalg.det(f)
-            self.least = min(self.least, float(j.min()))
-            squared = np.linalg.svd(f, compute_uv=False) ** 2 * np.cbrt(j * j)[..., None] ** -1
-            stored = (weight * substance.law.response(squared).value).sum(axis=1)
-            if mean:
-                whole = weight.sum(axis=1)
-                return stored + substance.bulk / 2 * ((weight * j).sum(axis=1) - whole) ** 2 / whole
-            return stored + substance.bulk / 2 * (weight * (j - 1) ** 2).sum(axis=1)
+        def energy(f):
+            squared = np.linalg.eigvalsh(np.swapaxes(f, -1, -2) @ f)
+            return substance.law.response(squared / np.cbrt(squared.prod(axis=-1, keepdims=True))).value
 
-        return energy, substance.density * np.einsum("mg,gn->mn", weight, _shapes(cells.shape[1]))
+        stress, rate = np.zeros_like(f), np.zeros_like(f)
+        for at in np.ndindex(3, 3):
+            for steps, share in DIFFERENCE:
+                moved = f.copy()
+                moved[..., *at] += steps * STEP
+                stress[..., *at] += share / STEP * energy(moved)
+                rate[..., *at] += share / STEP * np.linalg.det(moved)
+        grown = j - 1
+        if mean:
+            grown = np.broadcast_to(((weight * grown).sum(axis=1) / weight.sum(axis=1))[:, None], j.shape)
+        stress += substance.bulk * grown[..., None, None] * rate
+        np.add.at(force, cells, np.einsum("mg,mgik,mgnk->mni", weight, stress, gradient))
+        return substance.density * np.einsum("mg,gn->mn", weight, local)
+
+    # Energies of pieces: of one edge, face, point, by where its nodes are
 
     def _edge(self):
         """Energy of the thread's edges by their ends' places (k, 2, 3)."""
@@ -128,9 +139,7 @@ class Judge:
         force, acting = np.zeros_like(x), [1e-3]
         masses = np.zeros(len(x))
         for cells, substance, mean in self.bodies:
-            energy, mass = self._element(cells, substance, mean)
-            _add(force, x, cells, energy)
-            np.add.at(masses, cells, mass)
+            np.add.at(masses, cells, self._solid(cells, substance, mean, x, force))
         pull = masses[:, None] * np.array(case.gravity)
         force -= pull
         acting.append(np.abs(pull[s.body == NEVER]).max(initial=0.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -58,13 +59,15 @@ class Model:
             body, middles, curved = slotted.drawing(case.finger, case.fillet, case.refine)
             bodies.append(body)
             places[slotted.NAME] = lambda points: _bent(points, middles, curved)
-        mesh = mesh_of(bodies)
-        nodes = Quadratic(mesh)
-        straight = np.empty_like(nodes.points)
+        drawn = Quadratic(mesh_of(bodies))
+        straight = np.empty_like(drawn.points)
         for name, place in places.items():
-            mine = nodes.bodies == name
-            straight[mine] = place(nodes.points[mine])
-        return mesh, nodes, straight
+            mine = drawn.bodies == name
+            straight[mine] = place(drawn.points[mine])
+        # Corners where they belong, in a second mesh of the same elements: who looks for the nearest place
+        # on another body does so before a mesh is deformed.
+        mesh = mesh_of([replace(body, nodes=places[body.name](body.nodes)) for body in bodies])
+        return mesh, Quadratic(mesh), straight
 
     def _fill(self, name: str, substance: Substance) -> None:
         """What body `name` stores and weighs."""
@@ -96,8 +99,7 @@ class Model:
     def _tie(self, straight) -> None:
         """Springs of PENALTY between the actuator's side and the bore where a bone closes it.
 
-        Partners are sought in the mesh as it was before it was curved: along its radii, from layer 3 of the
-        prism to the bore. Closed tips stay apart: nothing pulls there.
+        Partners are the nearest places at rest. Closed tips stay apart: nothing pulls there.
         """
         import ngsolve as ng
 
@@ -111,7 +113,7 @@ class Model:
         self._ties = ng.ContactBoundary(outside, bore)
         self._ties.AddEnergy(closed * PENALTY / 2 * ng.InnerProduct(apart, apart))
         still = ng.GridFunction(self.space)
-        self._ties.Update(still.components[0], bf=self.form, intorder=4, maxdist=finger.outer_radius(0.0))
+        self._ties.Update(still.components[0], bf=self.form, intorder=4, maxdist=1.0)
 
     def _hang(self) -> None:
         """The weight on the tip: shared by the elements there so that it pulls at (length, 0, 0)."""
