@@ -35,9 +35,10 @@ lint: $(READY)  ## style and the one-way data flow
 format: $(READY)  ## mend what style can mend by itself
 	$(BIN)/ruff check --fix .
 
-bench: $(READY)  ## time the build and the rules (prints tables)
+bench: $(READY)  ## time build, rules and bend (prints tables)
 	$(BIN)/python -m tests.benchmarks.build
 	$(BIN)/python -m tests.benchmarks.rules
+	$(BIN)/python -m tests.benchmarks.bend times first factorisers
 
 validate: $(READY)  ## bend what the source measured, with every model file; renews the README's figure
 	-$(BIN)/handgen validate  # the source's own model, without friction, does not reach 80 kPa: exit 3
