@@ -77,7 +77,7 @@ def assembled(hand: Hand, stage: Path, file: str) -> str:
     """Everything in its place, in the frame of the hand."""
     nodes = []
     for seated in assembly(hand):
-        if seated.axis:
+        if seated.axis or seated.pressed_by:
             mesh = seated.mesh
             vertices, faces = mesh.vertices, mesh.faces
         else:

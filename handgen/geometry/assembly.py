@@ -1,12 +1,14 @@
 """The assembled hand: exoskeleton, seven actuators, their plugs and collars, each in its place.
 
 Actuators are cast straight; in a finger with a rest curl they lie bent along its axis, and the
-meshes here show them so.
+meshes here show them so. A plug is drawn larger than its channel, so that it seals: silicone yields to
+it, and the meshes here show the silicone that is left beside it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,13 +34,22 @@ BENT_EDGE = 2.0
 
 @dataclass(frozen=True)
 class Seated:
-    """A part in the hand: bent along `axis` if there is one, then turned, moved, and mirrored."""
+    """A part in the hand: without what `pressed_by` takes of its room, bent along `axis` if there is one,
+    then turned, moved, and mirrored."""
 
     part: Part
     rotation: tuple = csg.rotation("x", 0.0)
     origin: csg.Point3 = (0.0, 0.0, 0.0)
     axis: Axis | None = None
     mirrored: bool = False
+    pressed_by: Part | None = None
+
+    @cached_property
+    def installed(self) -> Part:
+        """The part in its own frame as it is in the hand; its files show it as it is made."""
+        if self.pressed_by is None:
+            return self.part
+        return replace(self.part, shape=csg.Difference(self.part.shape, (self.pressed_by.shape,)))
 
     @property
     def name(self) -> str:
@@ -56,7 +67,7 @@ class Seated:
         """The part's mesh in the hand's frame."""
         import trimesh
 
-        mesh = self.part.mesh
+        mesh = self.installed.mesh
         vertices, faces = mesh.vertices, mesh.faces
         if self.axis:
             vertices, faces = trimesh.remesh.subdivide_to_size(vertices, faces, BENT_EDGE)
@@ -79,8 +90,10 @@ def assembly(hand: Hand) -> list[Seated]:
             place = hinge.rotation, hinge.point(-hinge.o.base_socket, hinge.lines[name], 0.0), None
         else:
             place = *finger_placement(hand, name), _curl(hand, name)
-        seals = [p for p in tooling(hand, name) if p.name.rsplit("/", 1)[-1] in SEALS]
-        seated += [Seated(p, *place, hand.side == "left") for p in (actuator(hand, name), *seals)]
+        tools = {p.name.rsplit("/", 1)[-1]: p for p in tooling(hand, name)}
+        place = *place, hand.side == "left"
+        seated.append(Seated(actuator(hand, name), *place, pressed_by=tools["plug"]))
+        seated += [Seated(tools[seal], *place) for seal in SEALS]
     return seated
 
 
