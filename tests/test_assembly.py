@@ -41,7 +41,7 @@ def test_nothing_overlaps(bodies):
 
 
 def test_silicone_yields_to_its_own_plug_only(seated):
-    """As made, the plug is larger than its channel, or it would not seal; nothing else takes silicone away."""
+    """As made, the plug is larger than its channel, or it would not seal; nothing else takes silicone."""
     for name, s in seated.items():
         if name.startswith("actuators/"):
             plug = seated[f"tooling/{name.split('/')[1]}/plug"].part
