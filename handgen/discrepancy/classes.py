@@ -1,0 +1,27 @@
+"""Effects that no test at hand can tell apart are one class."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from handgen.discrepancy.score import Scores
+
+ALIKE = 2.0
+"""Deviations of all points together: two explanations nearer than this no data of this quality tells apart."""
+
+
+def alike(scores: Scores, first: str, second: str) -> bool:
+    """Whether the best predictions of two hypotheses are the same, as far as these data can tell."""
+    from handgen.discrepancy.gaussian import Whitener
+
+    problem = scores.problem
+    whiten = Whitener.of(problem.covariance())
+    rows = problem.scored
+    a, b = scores[first], scores[second]
+    apart = whiten((a.centre - b.centre)[rows])
+    return float(apart @ apart) < ALIKE**2
+
+
+def class_of(scores: Scores, leader: str, among: Sequence[str]) -> tuple[str, ...]:
+    """`leader` and those `among` that predict the same."""
+    return (leader, *(name for name in among if name != leader and alike(scores, leader, name)))

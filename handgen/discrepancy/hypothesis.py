@@ -1,0 +1,76 @@
+"""An explanation of the data: before its probability is known, and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from handgen.discrepancy.problem import Problem
+
+INTERVAL = (0.025, 0.975)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter as the data leave it: the value that explains them best, and a 95 % interval."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """One explanation. `ids`: its effects; empty for none and outside."""
+
+    id: str
+    ids: tuple[str, ...]
+    log_evidence: float
+    probability: float
+    parameters: Mapping[str, tuple[Estimate, ...]]
+    """Of each effect."""
+    nuisances: np.ndarray
+    """(k,) as the data leave them, in their own units."""
+    nuisance_covariance: np.ndarray
+    centre: np.ndarray
+    """(n,) predictions before nuisances."""
+    predicted: np.ndarray
+    """(n,) at all points of the library, nuisances included, structural error not."""
+    chi2: float
+    """Of the scored residuals, against everything that the hypothesis leaves open."""
+    freedoms: int
+    p_value: float
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A hypothesis before its probability is known."""
+
+    id: str
+    ids: tuple[str, ...]
+    log_evidence: float
+    parameters: Mapping[str, tuple[Estimate, ...]]
+    centre: np.ndarray
+    """(n,) predictions before nuisances."""
+    count: int
+    """Parameters of its effects."""
+    problem: Problem
+
+
+def estimates(names: Sequence[str], values: np.ndarray, log_posterior: np.ndarray) -> tuple[Estimate, ...]:
+    """Best value and interval of each parameter; `values` (m, d), `log_posterior` (m,) up to a constant."""
+    share = np.exp(log_posterior - log_posterior.max())
+    share /= share.sum()
+    best = values[int(log_posterior.argmax())]
+    found = []
+    for i, name in enumerate(names):
+        line, where = np.unique(values[:, i], return_inverse=True)
+        mass = np.bincount(where, share)
+        # Half of a value's weight lies below it
+        below = np.cumsum(mass) - mass / 2
+        low, high = np.interp(INTERVAL, below, line)
+        found.append(Estimate(name, float(best[i]), float(min(low, best[i])), float(max(high, best[i]))))
+    return tuple(found)

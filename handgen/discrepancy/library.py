@@ -1,0 +1,176 @@
+"""What the model can say about a row of tests, as arrays: its baseline, and all that could move it.
+
+Built from the full simulation by `handgen.discrepancy.simulated`, or handed in. Values in the unit of each
+test's observable (mm, deg, N), loads in that of its loads (kPa, N).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from handgen.discrepancy.dense import Dense, dense
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Series:
+    """One test: what is read over which loads."""
+
+    id: str
+    part: str
+    quantity: str
+    loads: tuple[float, ...]
+    unit: str = "mm"
+    load: str = "pressure"
+    orientation: str = "palm_down"
+    path: str = "loading"
+    obstacle: float | None = None
+
+    @property
+    def kind(self) -> str:
+        """Tests of one kind share what the model gets wrong."""
+        return f"{self.part} {self.quantity}"
+
+
+@dataclass(frozen=True)
+class Response:
+    """What an effect does: predictions on a grid over its parameters."""
+
+    id: str
+    parameters: tuple[str, ...]
+    axes: tuple[np.ndarray, ...]
+    """Ascending values of each parameter."""
+    densities: tuple[np.ndarray, ...]
+    """Prior density of each parameter at its values, up to a factor."""
+    predictions: np.ndarray
+    """(len(axis 1), ..., n); NaN where the simulation found no balance."""
+
+    def __post_init__(self):
+        shape = tuple(len(axis) for axis in self.axes)
+        if self.predictions.shape[:-1] != shape or len(self.densities) != len(shape):
+            raise ValueError(f"{self.id}: predictions {self.predictions.shape} on a grid of {shape}")
+
+    @cached_property
+    def dense(self) -> Dense:
+        """Interpolated, as fine as the integration over the parameters asks for."""
+        return dense(self.axes, self.densities, self.predictions)
+
+    def at(self, points: np.ndarray) -> Response:
+        """The response at some of the points alone."""
+        return replace(self, predictions=self.predictions[..., points])
+
+
+@dataclass(frozen=True)
+class Library:
+    """All predictions of a model about `tests`; n points, those of the first test first."""
+
+    tests: tuple[Series, ...]
+    baseline: np.ndarray
+    """(n,)."""
+    nuisances: tuple[str, ...]
+    """Names of what every model leaves open: stiffnesses, references, the gauge's offset."""
+    prior: np.ndarray
+    """(k, k) their covariance; means are 0."""
+    jacobian: np.ndarray
+    """(n, k) of the predictions by them."""
+    responses: Mapping[str, Response]
+    structural: np.ndarray
+    """(n, n) covariance of what the model gets wrong with everything within tolerance."""
+    prior_odds: Mapping[str, float] = field(default_factory=dict)
+    """Effect -> weight beside the others; 1 where none is given."""
+
+    def __post_init__(self):
+        n, k = sum(len(test.loads) for test in self.tests), len(self.nuisances)
+        shapes = {"baseline": (n,), "prior": (k, k), "jacobian": (n, k), "structural": (n, n)}
+        for name, shape in shapes.items():
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} has shape {getattr(self, name).shape}, not {shape}")
+        for name, response in self.responses.items():
+            if response.predictions.shape[-1] != n:
+                raise ValueError(f"{name} predicts {response.predictions.shape[-1]} points, not {n}")
+
+    @property
+    def size(self) -> int:
+        return len(self.baseline)
+
+    @cached_property
+    def owner(self) -> np.ndarray:
+        """(n,) index of the test of each point."""
+        return np.repeat(np.arange(len(self.tests)), [len(test.loads) for test in self.tests])
+
+    @cached_property
+    def loads(self) -> np.ndarray:
+        """(n,) load of each point."""
+        return np.concatenate([np.asarray(test.loads, float) for test in self.tests])
+
+    def points(self, test: str) -> np.ndarray:
+        """Indices of the points of a test."""
+        return np.flatnonzero(self.owner == [one.id for one in self.tests].index(test))
+
+    def only(self, tests: Sequence[str]) -> Library:
+        """The library of some of its tests, in the order of the library."""
+        kept = tuple(test for test in self.tests if test.id in tests)
+        if len(kept) != len(set(tests)):
+            known = {test.id for test in self.tests}
+            raise ValueError(f"no test {', '.join(sorted(set(tests) - known))}")
+        at = np.flatnonzero(np.isin(self.owner, [i for i, t in enumerate(self.tests) if t in kept]))
+        return replace(
+            self, tests=kept, baseline=self.baseline[at], jacobian=self.jacobian[at],
+            structural=self.structural[np.ix_(at, at)],
+            responses={name: response.at(at) for name, response in self.responses.items()})
+
+    def without(self, *effects: str) -> Library:
+        """The library with effects struck off its catalogue."""
+        return replace(self, responses={k: v for k, v in self.responses.items() if k not in effects})
+
+    # Files
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write all arrays to one .npz, beside and renamed."""
+        arrays = {name: getattr(self, name) for name in ("baseline", "prior", "jacobian", "structural")}
+        about: dict = {"format": FORMAT, "tests": [asdict(test) for test in self.tests],
+                       "nuisances": self.nuisances, "prior_odds": dict(self.prior_odds), "responses": {}}
+        for name, response in self.responses.items():
+            about["responses"][name] = response.parameters
+            arrays[f"{name}/predictions"] = response.predictions
+            for i, (axis, density) in enumerate(zip(response.axes, response.densities, strict=True)):
+                arrays[f"{name}/axis/{i}"], arrays[f"{name}/density/{i}"] = axis, density
+        path = Path(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside = path.with_name(f".{path.name}.writing-{os.getpid()}")
+        try:
+            with open(beside, "wb") as file:
+                np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
+            os.replace(beside, path)
+        finally:
+            beside.unlink(missing_ok=True)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Library:
+        """Read what `save` wrote.
+
+        Raises:
+            ValueError, KeyError, OSError: the file is no library of this format.
+        """
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        about = json.loads(arrays.pop("about").tobytes())
+        if about["format"] != FORMAT:
+            raise ValueError(f"{path} has format {about['format']}, not {FORMAT}")
+        responses = {
+            name: Response(name, tuple(parameters),
+                           tuple(arrays[f"{name}/axis/{i}"] for i in range(len(parameters))),
+                           tuple(arrays[f"{name}/density/{i}"] for i in range(len(parameters))),
+                           arrays[f"{name}/predictions"])
+            for name, parameters in about["responses"].items()}
+        tests = tuple(Series(**{**test, "loads": tuple(test["loads"])}) for test in about["tests"])
+        return cls(tests, arrays["baseline"], tuple(about["nuisances"]), arrays["prior"], arrays["jacobian"],
+                   responses, arrays["structural"], about["prior_odds"])

@@ -1,0 +1,66 @@
+"""Two effects at once: their responses added, which holds as far as one does not change the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from handgen.discrepancy.dense import COARSE, Dense, dense
+from handgen.discrepancy.gaussian import Whitener, log_sum
+from handgen.discrepancy.hypothesis import Draft, estimates
+from handgen.discrepancy.library import Response
+from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
+
+
+def drafts(problem: Problem, whiteners: Sequence[Whitener], names: Sequence[str]) -> list[Draft]:
+    """A draft of every pair of `names`."""
+    library = problem.library
+    coarse = {name: coarsened(library.responses[name]) for name in names}
+    base = library.baseline[problem.scored]
+    residual = problem.data - base
+    white = [whiten(residual) for whiten in whiteners]
+    moved = {name: [whiten(found.predictions[:, problem.scored] - base) for whiten in whiteners]
+             for name, found in coarse.items()}
+    result = []
+    for a, b in combinations(names, 2):
+        first, second = coarse[a], coarse[b]
+        if not len(first.values) or not len(second.values):
+            continue
+        posterior = _posterior(whiteners, white, moved[a], moved[b])
+        posterior += first.log_weights[:, None] + second.log_weights[None, :]
+        i, j = np.unravel_index(int(posterior.argmax()), posterior.shape)
+        parameters = {
+            a: estimates(library.responses[a].parameters, first.values, _rows(posterior)),
+            b: estimates(library.responses[b].parameters, second.values, _rows(posterior.T))}
+        centre = first.predictions[i] + second.predictions[j] - library.baseline
+        result.append(Draft(f"{a}+{b}", (a, b), log_sum(posterior.ravel()), parameters, centre,
+                            len(parameters[a]) + len(parameters[b]), problem))
+    return result
+
+
+def coarsened(response: Response) -> Dense:
+    """The response at as many values as a pair needs; kept on the response."""
+    found = response.__dict__.get("_coarse")
+    if found is None:
+        found = dense(response.axes, response.densities, response.predictions, COARSE)
+        response.__dict__["_coarse"] = found
+    return found
+
+
+def _posterior(whiteners: Sequence[Whitener], white: Sequence[np.ndarray], first: Sequence[np.ndarray],
+               second: Sequence[np.ndarray]) -> np.ndarray:
+    """log of the likelihood at every two values, summed over the scales of the structural error."""
+    total = None
+    for whiten, w, a, b, share in zip(whiteners, white, first, second, SCALE_WEIGHTS, strict=True):
+        left = ((w - a) ** 2).sum(axis=1)
+        squares = left[:, None] + (b**2).sum(axis=1)[None, :] - 2 * (w - a) @ b.T
+        term = whiten.log_norm - squares / 2 + np.log(share)
+        total = term if total is None else np.logaddexp(total, term)
+    return total
+
+
+def _rows(posterior: np.ndarray) -> np.ndarray:
+    most = posterior.max(axis=1)
+    return most + np.log(np.exp(posterior - most[:, None]).sum(axis=1))

@@ -1,0 +1,149 @@
+"""How probable is every explanation: nothing missing, one effect, two effects, something outside the catalogue.
+
+Nuisances are Gaussian with physical priors and integrated in closed form; an effect's parameters are summed
+over a grid of simulated responses with their prior; the structural error is the ensemble's covariance, of
+which the scale is summed over too. Nothing is fitted and then compared: what is compared is how well each
+explanation, with all that it leaves open, foresaw the data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from handgen.discrepancy import outside
+from handgen.discrepancy import pairs as of_pairs
+from handgen.discrepancy.gaussian import Whitener, log_sum
+from handgen.discrepancy.hypothesis import Draft, Hypothesis, estimates
+from handgen.discrepancy.library import Library
+from handgen.discrepancy.observed import Observed
+from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
+
+NONE, OUTSIDE = "none", "outside"
+PRIOR = {NONE: 0.40, "single": 0.30, "pair": 0.10, OUTSIDE: 0.20}
+"""Before any data: of nothing missing, of all effects together, of all pairs together, of something else."""
+
+
+@dataclass(frozen=True)
+class Scores:
+    """All hypotheses, the most probable first; probabilities add up to 1."""
+
+    problem: Problem
+    hypotheses: tuple[Hypothesis, ...]
+
+    def __getitem__(self, name: str) -> Hypothesis:
+        return next(h for h in self.hypotheses if h.id == name)
+
+    @property
+    def probabilities(self) -> dict[str, float]:
+        """By id, the most probable first."""
+        return {h.id: h.probability for h in self.hypotheses}
+
+    def present(self, effect: str) -> float:
+        """Probability that an effect is there, alone or with another."""
+        return sum(h.probability for h in self.hypotheses if effect in h.ids)
+
+
+def score(library: Library, observed: Observed, *, pairs: bool = True, everything: bool = False,
+          prior: Mapping[str, float] = PRIOR) -> Scores:
+    """Judge every explanation of `observed` by `library`.
+
+    `everything`: also score what a test says is not to be fitted.
+
+    Raises:
+        ValueError: the two do not belong together.
+    """
+    return score_problem(Problem.of(library, observed, everything=everything), pairs=pairs, prior=prior)
+
+
+def score_problem(problem: Problem, *, pairs: bool = True, prior: Mapping[str, float] = PRIOR) -> Scores:
+    """The same of a problem that is set up already.
+
+    Raises:
+        ValueError: nothing to score.
+    """
+    if not problem.used.any():
+        raise ValueError("no reading takes part in the scoring")
+    library = problem.library
+    whiteners = [Whitener.of(problem.covariance(scale)) for scale in SCALES]
+    grids = {name: Grid.of(problem, whiteners, name) for name in library.responses}
+    found = [_none(problem, whiteners)]
+    found += [_single(problem, grid) for grid in grids.values()]
+    evidence, learned = outside.log_evidence(problem, library.baseline)
+    found.append(Draft(OUTSIDE, (), evidence, {}, library.baseline + learned, 0, problem))
+    if pairs and len(grids) > 1:
+        found += of_pairs.drafts(problem, whiteners, list(grids))
+    return Scores(problem, _weighed(library, found, prior))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """An effect's dense predictions, whitened for each scale of the structural error."""
+
+    id: str
+    values: np.ndarray
+    predictions: np.ndarray
+    log_weights: np.ndarray
+    white: tuple[np.ndarray, ...]
+    """Whitened residuals (m, s) of each scale."""
+    log_densities: np.ndarray
+    """(scales, m) with the scales' prior in it."""
+
+    @classmethod
+    def of(cls, problem: Problem, whiteners: Sequence[Whitener], name: str) -> Grid:
+        dense = problem.library.responses[name].dense
+        residuals = problem.data - dense.predictions[:, problem.scored]
+        white = tuple(whiten(residuals) for whiten in whiteners)
+        densities = np.array([
+            whiten.log_norm - (w**2).sum(axis=1) / 2 + np.log(share)
+            for whiten, w, share in zip(whiteners, white, SCALE_WEIGHTS, strict=True)])
+        return cls(name, dense.values, dense.predictions, dense.log_weights, white, densities)
+
+
+def _none(problem: Problem, whiteners: Sequence[Whitener]) -> Draft:
+    residual = problem.data - problem.library.baseline[problem.scored]
+    terms = [float(w.log_density(residual)) + np.log(share)
+             for w, share in zip(whiteners, SCALE_WEIGHTS, strict=True)]
+    return Draft(NONE, (), log_sum(np.array(terms)), {}, problem.library.baseline, 0, problem)
+
+
+def _single(problem: Problem, grid: Grid) -> Draft:
+    names = problem.library.responses[grid.id].parameters
+    if len(grid.values) == 0:
+        return Draft(grid.id, (grid.id,), -np.inf, {grid.id: ()}, problem.library.baseline, 0, problem)
+    posterior = np.array([log_sum(column) for column in grid.log_densities.T]) + grid.log_weights
+    return Draft(grid.id, (grid.id,), log_sum(posterior),
+                  {grid.id: estimates(names, grid.values, posterior)},
+                  grid.predictions[int(posterior.argmax())], len(names), problem)
+
+
+def _weighed(library: Library, drafts: Sequence[Draft], prior: Mapping[str, float]) -> tuple[Hypothesis, ...]:
+    odds = {d.id: float(np.prod([library.prior_odds.get(i, 1.0) for i in d.ids])) for d in drafts}
+    families = {d.id: d.id if not d.ids else "single" if len(d.ids) == 1 else "pair" for d in drafts}
+    totals = {family: sum(odds[d.id] for d in drafts if families[d.id] == family)
+              for family in families.values()}
+    logs = np.array([d.log_evidence + np.log(prior[families[d.id]] * odds[d.id] / totals[families[d.id]])
+                     for d in drafts])
+    shares = np.exp(logs - log_sum(logs))
+    found = [_hypothesis(draft, float(share)) for draft, share in zip(drafts, shares, strict=True)]
+    return tuple(sorted(found, key=lambda h: -h.probability))
+
+
+def _hypothesis(draft: Draft, probability: float) -> Hypothesis:
+    from scipy.special import chdtrc
+
+    problem, library = draft.problem, draft.problem.library
+    whiten = Whitener.of(problem.covariance())
+    residual = problem.data - draft.centre[problem.scored]
+    white = whiten(residual)
+    spread = library.jacobian[problem.scored] @ library.prior
+    gain = whiten(spread.T)
+    nuisances = gain @ white
+    left = library.prior - gain @ gain.T
+    size = float(white @ white)
+    freedoms = max(len(residual) - draft.count, 1)
+    return Hypothesis(draft.id, draft.ids, draft.log_evidence, probability, draft.parameters, nuisances, left,
+                      draft.centre, draft.centre + library.jacobian @ nuisances, size, freedoms,
+                      float(chdtrc(freedoms, size)))

@@ -1,0 +1,81 @@
+"""Probabilities -> what is said: none, named, pair, ambiguous, outside. It names only what it could defend."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from handgen.discrepancy.classes import class_of
+from handgen.discrepancy.hypothesis import Hypothesis
+from handgen.discrepancy.score import NONE, OUTSIDE, Scores
+
+Word = Literal["none", "named", "pair", "ambiguous", "outside"]
+SURE = 0.9
+"""Probability from which an explanation is named."""
+COVERED = 0.9
+"""Probability that the set of an ambiguous verdict holds together."""
+MISFIT = 0.02
+"""Chance of so bad a fit below which an explanation is vetoed."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the data allow to say."""
+
+    word: Word
+    effects: tuple[str, ...]
+    """What it rests on: one, two, or the effects of an ambiguous set; empty for none and outside."""
+    best: Hypothesis
+    """The explanation that is shown: the named one, else the most probable."""
+    probability: float
+    """Of what is said."""
+    candidates: tuple[str, ...]
+    """The smallest set of explanations that holds COVERED."""
+    alike: tuple[str, ...]
+    """Explanations that these tests cannot tell from the best, itself first."""
+    vetoed: bool
+    """The most probable explanation does not fit."""
+
+
+def verdict(scores: Scores) -> Verdict:
+    """The verdict on `scores`."""
+    best = scores.hypotheses[0]
+    held = covering(scores)
+    vetoed = best.p_value < MISFIT and best.id != OUTSIDE
+    alike = class_of(scores, best.id, held) if best.ids else (best.id,)
+
+    def said(word: Word, effects: tuple[str, ...], probability: float, shown: Hypothesis = best) -> Verdict:
+        return Verdict(word, effects, shown, probability, held, alike, vetoed)
+
+    outside = scores[OUTSIDE].probability
+    if best.id == OUTSIDE or vetoed:
+        return said("outside", (), outside)
+    if best.id == NONE:
+        if best.probability >= 0.5:
+            return said("none", (), best.probability)
+        return said("ambiguous", _effects(scores, held), _sum(scores, held))
+    present = {name: scores.present(name) for name in best.ids}
+    if len(best.ids) == 1 and present[best.id] >= SURE and best.probability >= 0.5:
+        return said("named", best.ids, present[best.id])
+    if len(best.ids) == 2 and best.probability >= SURE:
+        return said("pair", best.ids, best.probability)
+    return said("ambiguous", _effects(scores, held), _sum(scores, held))
+
+
+def covering(scores: Scores, share: float = COVERED) -> tuple[str, ...]:
+    """The fewest explanations that hold `share` of the probability, the most probable first."""
+    found, total = [], 0.0
+    for hypothesis in scores.hypotheses:
+        found.append(hypothesis.id)
+        total += hypothesis.probability
+        if total >= share:
+            break
+    return tuple(found)
+
+
+def _effects(scores: Scores, held: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for one in held for name in scores[one].ids))
+
+
+def _sum(scores: Scores, held: tuple[str, ...]) -> float:
+    return sum(scores[one].probability for one in held)
