@@ -1,8 +1,8 @@
 """The solid model beside NGSolve: `python -m tests.benchmarks.bend_reference [exoskeleton|speed|...]`.
 
-Prints markdown: every point of the free actuator, the bare exoskeleton and the bonded assembly by both, what
-each cost and how far it went (of sliding contact NGSolve knows nothing here); then what NGSolve costs where
-its error is no larger than ours, both held against the finest affordable NGSolve solution. Kernels are
+Prints markdown: every point of the free actuator, the bare exoskeleton, the bonded assembly and the one that
+slides without friction by both, what each cost and how far it went; then what NGSolve costs where its error
+is no larger than ours, both held against the finest affordable NGSolve solution. Kernels are
 compiled before a clock starts; seconds are of the wall and, as other work stretches those, of the processor.
 """
 
@@ -24,11 +24,14 @@ CASES = {
         part="actuator", pressures="0:60:10", orientation="weightless")),
     "actuator, palm down": ("tip_drop", dict(part="actuator", pressures="0:60:10")),
     "bonded assembly": ("tip_drop", dict(part="assembly", pressures="0:60:10", bonded=True)),
+    "sliding assembly, weightless": ("tip_drop", dict(
+        part="assembly", pressures="0:60:10", orientation="weightless")),
+    "sliding assembly, palm down": ("tip_drop", dict(part="assembly", pressures="0:60:10")),
     "exoskeleton": ("tip_drop", dict(part="exoskeleton", tip_loads="0,0.07,0.16,0.28,0.41,0.56")),
 }
 """What is compared, and of which part."""
 COARSE = Division(32, 1, 1, 1, 5, 1)
-"""Of the actuator in the bonded assembly, whose exoskeleton NGSolve gets with edges twice as long."""
+"""Of the actuator in the assemblies, whose exoskeleton NGSolve gets with edges twice as long."""
 COARSER = (Division(4, 1, 1, 1, 2, 1), Division(6, 1, 1, 1, 2, 1), Division(8, 1, 1, 1, 3, 1),
            Division(12, 1, 1, 1, 3, 1), Division(16, 2, 1, 1, 4, 2), Division(22, 2, 1, 1, 4, 2), Division())
 """NGSolve's meshes of the actuator, coarsest first."""

@@ -1,7 +1,8 @@
 """The same finger by other means: what the fast solver is held against, and `--solver reference`.
 
 The same physics as `handgen.simulation.solid`: the case (`case.py`), its profiles and its laws, the thread as
-a fibre family, air that works as -p V, own weight, a weight on the tip, symmetry about y = 0.
+a fibre family, air that works as -p V, own weight, a weight on the tip, contact without friction, symmetry
+about y = 0.
 
 Solved differently, and with no line of code in common: NGSolve's finite elements, which derive forces and
 tangent from the energy by themselves; quadratic displacements with a linear volumetric stress in every
@@ -29,15 +30,15 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None,
 
     Raises:
         EngineError: the package ngsolve is missing.
-        ValueError: gravity across the plane of symmetry, an obstacle, contact that slides, or a law of
-            principal stretches.
+        ValueError: gravity across the plane of symmetry, an obstacle, friction, or a law of principal
+            stretches.
     """
     if case.gravity[1] != 0.0:
         raise ValueError("half of the finger is modelled: gravity may not act across its plane of symmetry")
     if case.obstacle is not None:
         raise ValueError("the reference knows no obstacle")
-    if case.part == "assembly" and not case.contact.bonded:
-        raise ValueError("the reference knows no sliding contact: an assembly must be bonded")
+    if case.part == "assembly" and case.contact.friction and not case.contact.bonded:
+        raise ValueError("the reference knows no friction: an assembly must slide freely or be bonded")
     try:
         import ngsolve
     except ImportError as error:
@@ -54,7 +55,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None,
                for t in (case.tip_loads if alone else case.tip_loads[:1])]
     with ngsolve.TaskManager():
         model = Model(case, division)
-        balance = Balance(model.form, model.space, model.loads, model.upright)
+        balance = Balance(model.form, model.space, model.loads, model.upright, model.find)
         first = weight, 0.0, 0.0 if alone else targets[0][2]
         say(f"{sum(balance.space.FreeDofs(True))} unknowns")
         if not balance.reach(np.array(first)):

@@ -15,7 +15,8 @@ LONGEST = np.array([0.25, 0.01, 0.1])
 """Longest step: share of own weight, pressure in MPa, tip load in N."""
 SHORTEST = 1 / 32
 """Of the longest step; below it the search ends."""
-ITERATIONS = 12
+ITERATIONS, SLIDING_ITERATIONS = 12, 30
+"""At most in a step; where surfaces slide, new pairs in every one of them cost the quadratic end."""
 ENERGY = 1e-9
 """mJ (N mm) that a Newton step may still gain in balance."""
 HOPELESS = 1e6
@@ -31,6 +32,8 @@ class Balance:
     """Three NGSolve parameters: share of own weight, pressure MPa, tip load N."""
     upright: Callable[[object], bool]
     """Asked of every state in balance: is none of its elements turned inside out?"""
+    find: Callable[[object], None] | None = None
+    """Pairs sliding surfaces as they lie in a state."""
     factorisations: int = 0
     now: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
@@ -76,7 +79,9 @@ class Balance:
         from netgen.libngpy._meshing import NgException
 
         form, state, step, residual = self.form, self.state.vec, self._step, self._residual
-        for _ in range(ITERATIONS):
+        for _ in range(SLIDING_ITERATIONS if self.find else ITERATIONS):
+            if self.find:
+                self.find(self.state)
             try:
                 form.Apply(state, residual)
                 form.AssembleLinearization(state)

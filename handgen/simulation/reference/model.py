@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from handgen.simulation.case import Case, Substance
 from handgen.simulation.reference import physics, slotted, tube
 from handgen.simulation.reference.curved import Quadratic
 from handgen.simulation.reference.drawing import MIDDLE, mesh_of
+from handgen.simulation.reference.sliding import Sliding
 
 PENALTY = 1.0
 """N/mm3; of the springs that stand for a bond, as in the fast solver."""
@@ -45,8 +47,13 @@ class Model:
             self._hang()
         if case.part != "exoskeleton":
             self._blow(along)
-        if case.part == "assembly":
+        self.find: Callable[[object], None] | None = None
+        """Pairs sliding surfaces as they lie in a state; None where nothing slides."""
+        if case.part == "assembly" and case.contact.bonded:
             self._tie(along)
+        elif case.part == "assembly":
+            moved = self.space.TrialFunction()[0]
+            self.find = Sliding(self.form, self.mesh, moved, along[0], case.finger).find
 
     def _mesh(self):
         """(mesh, its quadratic functions, (n, 3) their nodes in the straight finger)."""

@@ -13,8 +13,8 @@ from handgen.parameters.finger import Joint
 from handgen.simulation.reference.drawing import MIDDLE, Drawing
 
 NAME = "exoskeleton"
-ROOT, BORE, SKIN = "root", "bore", "skin"
-"""Surfaces: the root plane, what faces the actuator, all the rest."""
+ROOT, BORE, END, SKIN = "root", "bore", "end", "skin"
+"""Surfaces: the root plane, what faces the actuator's side and its tip, all the rest."""
 FINE, COARSE = 1.2, 4.0
 """Edges of elements in and beside a slot, and elsewhere, mm."""
 BESIDE = 2.0
@@ -117,7 +117,7 @@ def _read(model, profile: FingerProfile) -> tuple[Drawing, np.ndarray, np.ndarra
     nodes = coordinates.reshape(-1, 3)
     _, cells = model.mesh.getElementsByType(QUADRATIC_TETRAHEDRON)
     cells = number[cells.reshape(-1, 10)]
-    faces: dict[str, list[tuple[int, ...]]] = {name: [] for name in (ROOT, BORE, SKIN, MIDDLE)}
+    faces: dict[str, list[tuple[int, ...]]] = {name: [] for name in (ROOT, BORE, END, SKIN, MIDDLE)}
     for _, surface in model.getEntities(2):
         _, found = model.mesh.getElementsByType(QUADRATIC_TRIANGLE, surface)
         corners = number[found.reshape(-1, 6)][:, :3]
@@ -134,4 +134,6 @@ def _name(corners: np.ndarray, profile: FingerProfile) -> str:
         return ROOT
     if np.abs(y).max() < NEAR:
         return MIDDLE
+    if np.abs(x - profile.finger.inner_length).max() < NEAR:
+        return END
     return BORE if np.abs(np.hypot(y, z) - profile.bore(x)).max() < 1e-3 else SKIN
