@@ -1,18 +1,20 @@
 """A planar chain of rigid links on springs, pushed open by an actuator that runs beside it: its equilibrium.
 
-Links lie on the hinge line of the palmar strips. Unknown are their absolute angles t[i], rad, flexion positive
-(t = 0 along x, t = pi/2 straight down); link i starts where link i - 1 ends, the first one at the root.
-Energy, N mm, of the turns v[i] = t[i] - t[i-1] - rest[i]:
+Links lie on the hinge line of the palmar strips. Unknown are their absolute angles t[i], rad, flexion
+positive (t = 0 along x, t = pi/2 straight down); link i starts where link i - 1 ends, the first one at the
+root. Energy, N mm, of the turns v[i] = t[i] - t[i-1] - rest[i]:
 
-    sum_i strip[i] (v^2/2 + harden[i] v^4/4) + sum_i beam[i] v^2/2       strips, and the actuator bent with them
-    + area (integral of P over d - pressure d)                           actuator stretched by d
-    - sum_i weight[i] (fall of the middle of link i's axis)              own weight, times `down`
-    - load (fall of the tip)                                             a weight on the tip
-    + floor/2 (depth of the tip below the plane)^2                       the plane of a force test
+    sum_i strip[i] (v^2/2 + harden[i] v^4/4)                    strips
+    + sum_i beam[i] v^2/2                                       the actuator, bent with them
+    + area (integral of P over d - pressure d)                  the actuator, stretched by d
+    - sum_i weight[i] (fall of the middle of link i's axis)     own weight, times `down`
+    + sum_i drag[i] v[i]                                        what rubs
+    - load (fall of the tip)                                    a weight on the tip
+    + floor/2 (depth of the tip below the plane)^2              the plane of a force test
 
-d = sum_i arm[i] v[i] - slack, taken up softly over `soft`; P(d) = area's pressure that stretches the free
-actuator by d: wall[0] x + wall[1] x^2 + wall[2] x^3 with x = d / length. Every term is smooth; the Hessian is a
-tridiagonal matrix and a few dyads, small enough to be solved densely.
+d = sum_i arm[i] v[i]; P(d) is the pressure that stretches the free actuator by d: wall[0] x / (1 + wall[1] x)
++ wall[2] x^2 with x = d / length. Every term is smooth; the Hessian is a tridiagonal matrix and a few dyads,
+small enough to be solved densely.
 """
 
 from __future__ import annotations
@@ -32,47 +34,39 @@ TOLERANCE = 1e-9
 def wall_pressure(d, length, wall):
     """(pressure, its slope, its integral) of a free actuator stretched by `d`, MPa, MPa/mm, MPa mm."""
     x = d / length
-    p = x * (wall[0] + x * (wall[1] + x * wall[2]))
-    slope = (wall[0] + x * (2 * wall[1] + 3 * x * wall[2])) / length
-    integral = length * x * x * (wall[0] / 2 + x * (wall[1] / 3 + x * wall[2] / 4))
+    if x < 0.0:
+        return wall[0] * x, wall[0] / length, length * wall[0] * x * x / 2
+    u = 1.0 + wall[1] * x
+    p = wall[0] * x / u + wall[2] * x * x
+    slope = (wall[0] / u**2 + 2 * wall[2] * x) / length
+    integral = length * (wall[0] * (x - math.log(u) / wall[1]) / wall[1] + wall[2] * x**3 / 3)
     return p, slope, integral
 
 
 @njit(cache=True)
-def taken_up(d, slack, soft):
-    """(value, slope, second slope) of max(d - slack, 0) rounded over `soft` mm, 0 at d = 0."""
-    if slack <= 0.0:
-        return d, 1.0, 0.0
-    u = (d - slack) / soft
-    s = 1.0 / (1.0 + math.exp(-u))
-    value = soft * (math.log1p(math.exp(-abs(u))) + max(u, 0.0))
-    rest = soft * math.log1p(math.exp(-slack / soft))
-    return value - rest, s, s * (1.0 - s) / soft
-
-
-@njit(cache=True)
-def assemble(t, rest, strip, harden, beam, arm, stop, links, weight, off, body, act, wall, loads):
+def assemble(t, rest, strip, harden, beam, arm, stop, drag, links, weight, off, body, act, wall, loads):
     """(energy, gradient, Hessian) at the angles `t`.
 
-    links: lengths, mm. off: axis above the hinge line, mm. body = (tip start, tip end, tip radius, height of the
-    root's hinge line, floor stiffness, stop stiffness) - tip points along the last link, mm. act = (area,
-    length, slack, soft). loads = (pressure, down, tip load, plane z, sign of the tip load, root moment).
-    stop: turn from which a hinge is blocked, rad.
+    links: lengths, mm. off: axis above the hinge line, mm. body = (tip start, tip end, tip radius, height of
+    the root's hinge line, floor stiffness, stop stiffness) - tip points along the last link, mm. act = (area,
+    length). loads = (pressure, down, tip load, plane z, sign of the tip load). stop: turn from which a hinge
+    is blocked, rad.
     """
     n = len(t)
     g, h = np.zeros(n), np.zeros((n, n))
-    energy, d0 = 0.0, 0.0
+    energy, d = 0.0, 0.0
     for i in range(n):
         v = t[i] - (t[i - 1] if i else 0.0) - rest[i]
-        m = strip[i] * (v + harden[i] * v**3) + beam[i] * v
+        m = strip[i] * (v + harden[i] * v**3) + beam[i] * v + drag[i]
         k = strip[i] * (1 + 3 * harden[i] * v**2) + beam[i]
         energy += strip[i] * (v**2 / 2 + harden[i] * v**4 / 4) + beam[i] * v**2 / 2
+        energy += drag[i] * v
         over = v - stop[i]
         if over > 0.0:
             energy += body[5] * over**3 / 3
             m += body[5] * over**2
             k += 2 * body[5] * over
-        d0 += arm[i] * v
+        d += arm[i] * v
         g[i] += m
         h[i, i] += k
         if i:
@@ -80,16 +74,14 @@ def assemble(t, rest, strip, harden, beam, arm, stop, links, weight, off, body, 
             h[i - 1, i - 1] += k
             h[i, i - 1] -= k
             h[i - 1, i] -= k
-    d, slope, bend = taken_up(d0, act[2], act[3])
     p, stiff, work = wall_pressure(d, act[1], wall)
     push = act[0] * (p - loads[0])
     energy += act[0] * (work - loads[0] * d)
-    first, second = push * slope, act[0] * stiff * slope**2 + push * bend
     for i in range(n):
         a = arm[i] - (arm[i + 1] if i + 1 < n else 0.0)
-        g[i] += first * a
+        g[i] += push * a
         for j in range(n):
-            h[i, j] += second * a * (arm[j] - (arm[j + 1] if j + 1 < n else 0.0))
+            h[i, j] += act[0] * stiff * a * (arm[j] - (arm[j + 1] if j + 1 < n else 0.0))
     # Heights: link i contributes -links[i] sin t[i]; its axis lies off[i] along (sin t, cos t) beside it.
     beyond = 0.0
     for i in range(n - 1, -1, -1):
@@ -129,7 +121,8 @@ def _at_tip(t, links, off, body, loads, g, h):
 
 @njit(cache=True)
 def tip_height(t, links, off, body, reach):
-    """(height above the root's axis, mm, of the round tip's underside at `reach` along the last link; reach)."""
+    """(height above the root's axis, mm, of the round tip's underside at `reach` along the last link;
+    reach)."""
     n = len(t)
     z = body[3]
     for i in range(n - 1):
@@ -138,11 +131,12 @@ def tip_height(t, links, off, body, reach):
 
 
 @njit(cache=True)
-def equilibrium(t0, rest, strip, harden, beam, arm, stop, links, weight, off, body, act, wall, loads):
+def equilibrium(t0, rest, strip, harden, beam, arm, stop, drag, links, weight, off, body, act, wall, loads):
     """(angles, out-of-balance moment) of the stable state that a damped Newton finds from `t0`."""
     t = t0.copy()
     n = len(t)
-    e, g, h = assemble(t, rest, strip, harden, beam, arm, stop, links, weight, off, body, act, wall, loads)
+    e, g, h = assemble(t, rest, strip, harden, beam, arm, stop, drag, links, weight, off, body, act, wall,
+                       loads)
     shift = 0.0
     for _ in range(STEPS):
         size = np.abs(g).max()
@@ -159,16 +153,15 @@ def equilibrium(t0, rest, strip, harden, beam, arm, stop, links, weight, off, bo
         share, moved = 1.0, False
         for _ in range(30):
             new = t + share * step
-            e1, g1, h1 = assemble(new, rest, strip, harden, beam, arm, stop, links, weight, off, body, act,
-                                  wall, loads)
+            e1, g1, h1 = assemble(new, rest, strip, harden, beam, arm, stop, drag, links, weight, off, body,
+                                  act, wall, loads)
             if e1 <= e + 1e-4 * share * slope + 1e-13 * abs(e):
                 moved = True
                 break
             share /= 2
-        if not moved:
-            # Round-off in the energy: near enough to judge by the forces alone.
-            if np.abs(g1).max() >= size:
-                break
+        # Round-off in the energy: near enough to judge by the forces alone.
+        if not moved and np.abs(g1).max() >= size:
+            break
         t, e, g, h = new, e1, g1, h1
         shift = shift / 8 if shift > 1e-6 else 0.0
     return t, np.abs(g).max()

@@ -1,7 +1,7 @@
 """A finger of a world: its physical constants, the chain they make, and what is read off it.
 
-Units: mm, N, MPa, rad. Nothing of the model that is judged is used here, neither its geometry nor its laws: a strip
-is one bending stiffness, the actuator a spring beside the hinges.
+Units: mm, N, MPa, rad. Nothing of the model that is judged is used here, neither its geometry nor its laws:
+a strip is one bending stiffness, the actuator a spring beside the hinges.
 """
 
 from __future__ import annotations
@@ -58,14 +58,10 @@ class Finger:
     """Pressure at which half of the rest is there, MPa."""
     area: float = 75.0
     """On which the pressure pushes."""
-    wall: tuple[float, float, float] = (0.08, 0.0, 0.0)
-    """MPa: pressure that stretches the free actuator by x is wall[0] x + wall[1] x^2 + wall[2] x^3."""
+    wall: tuple[float, float, float] = (0.34, 1.85, 0.0)
+    """MPa, 1, MPa: see `chain.wall_pressure`."""
     active: float = 80.0
     """Length of the actuator that stretches."""
-    slack: float = 0.0
-    """The actuator's way until it pushes."""
-    soft: float = 0.4
-    """Over which slack is taken up."""
     shell_mass: float = 7.0
     """g, strips and bones."""
     tube_mass: float = 10.0
@@ -73,11 +69,13 @@ class Finger:
     tip_mass: float = 1.5
     """g, the cap."""
     stop: float = 10.0
-    """Turn at which a slot's palmar side is closed, rad a slot."""
+    """Turn at which the bones beside a slot meet, rad a slot; the first one has no bone before it."""
     stop_stiffness: float = 400.0
     root_give: float = 0.0
-    """rad/(N mm) at 10 N mm: how the palm yields to the finger's moment."""
-    root_power: float = 1.0
+    """rad/(N mm): how the palm yields to the finger's moment. The actuator's push ends in the finger
+    itself."""
+    root_harden: float = 0.0
+    """Of the root, 1/rad2."""
     floor: float = 50.0
     """Stiffness of balance and fingertip, N/mm."""
 
@@ -94,18 +92,23 @@ class Finger:
             share = self._overlap(starts, link, place - slot / 2, place + slot / 2)
             free += share
             rest += curl * share / share.sum()
-            stop = np.where(share > 0.05 * link, self.stop * share / slot, stop)
-        ratio = np.repeat(1.0, n)
-        ratio[starts < (self.joints[0] + self.joints[1]) / 2] = self.first
+            if place > self.joints[0]:
+                stop = np.where(share > 0.05 * link, self.stop * share / slot, stop)
+        # The first joint's share reaches half the way to the next.
+        ratio = np.where(starts < sum(self.joints[:2]) / len(self.joints[:2]), self.first, 1.0)
         give = free / (ratio * self.strip) + (link - free) / (self.bone * self.strip)
         bend = free / self.beam + (link - free) / (self.bone * self.beam)
         inside = np.clip((self.bore - starts) / link, 0.0, 1.0)
         weight = 1e-3 * GRAVITY * self.shell_mass * inside / inside.sum()
         weight_tip = np.where(inside < 1.0, 1.0 - inside, 0.0)
-        weight = weight + 1e-3 * GRAVITY * self.tip_mass * weight_tip / weight_tip.sum()
+        weight = weight + 1e-3 * GRAVITY * self.tip_mass * weight_tip / (weight_tip.sum() or 1.0)
+        strip, beam = 1.0 / give, 1.0 / bend
+        harden, arm = self.harden / np.maximum(free, 0.3 * link) ** 2, np.full(n, self.arm)
+        if self.root_give > 0.0:
+            strip[0], harden[0], beam[0], arm[0] = 1.0 / self.root_give, self.root_harden, 0.0, 0.0
         return {
-            "rest": rest, "strip": 1.0 / give, "harden": self.harden * (1.0 / np.maximum(free, 0.3 * link)) ** 2,
-            "bend": 1.0 / bend, "arm": np.full(n, self.arm), "stop": stop, "links": np.full(n, link),
+            "rest": rest, "strip": strip, "harden": harden, "bend": beam, "arm": arm, "stop": stop,
+            "links": np.full(n, link),
             "weight": weight, "tube": 1e-3 * GRAVITY * self.tube_mass * inside / inside.sum(),
             "off": np.full(n, self.offset)}
 
@@ -159,11 +162,12 @@ class State:
 
 
 def balance(finger: Finger, pose: Pose, pressure: float, load: float, start: np.ndarray | None = None,
-            friction: np.ndarray | float = 1.0) -> State:
-    """The finger under `pressure` (MPa) and tip `load` (N); `friction`: share of the push that each hinge gets."""
+            drag: np.ndarray | None = None) -> State:
+    """The finger under `pressure` (MPa) and tip `load` (N); `drag`: moments against every hinge's turn, N
+    mm."""
     a = finger.arrays
     both = pose.part == "assembly"
-    arm = a["arm"] * friction if both else np.zeros(chain.LINKS)
+    arm = a["arm"] if both else np.zeros(chain.LINKS)
     pressed = finger.loose + (1.0 - finger.loose) * pressure / (pressure + finger.seated)
     beam = pressed * a["bend"] if both else np.zeros(chain.LINKS)
     weight = a["weight"] + a["tube"] if both else a["weight"]
@@ -174,13 +178,12 @@ def balance(finger: Finger, pose: Pose, pressure: float, load: float, start: np.
                      finger.stop_stiffness])
     last = (chain.LINKS - 1) * finger.length / chain.LINKS
     body[:2] -= last
-    act = np.array([finger.area, finger.active, finger.slack, finger.soft])
-    root = root_turn(finger, weight, pose, load)
-    rest = a["rest"].copy()
-    rest[0] += root
+    act = np.array([finger.area, finger.active])
+    rest = a["rest"]
     t0 = np.cumsum(rest) if start is None else start
     t, imbalance = chain.equilibrium(
-        t0, rest, a["strip"], a["harden"], beam, arm, a["stop"], a["links"], weight, a["off"], body, act,
+        t0, rest, a["strip"], a["harden"], beam, arm, a["stop"],
+        np.zeros(chain.LINKS) if drag is None else drag, a["links"], weight, a["off"], body, act,
         np.array(finger.wall), loads)
     state = State(t, imbalance)
     low = min(chain.tip_height(t, a["links"], a["off"], body, reach)[0] for reach in body[:2])
@@ -190,15 +193,6 @@ def balance(finger: Finger, pose: Pose, pressure: float, load: float, start: np.
         "elongation": float((a["arm"] * turns).sum()),
         "tip_force": finger.floor * max(plane - low, 0.0) if pose.plane else 0.0}
     return state
-
-
-def root_turn(finger: Finger, weight: np.ndarray, pose: Pose, load: float) -> float:
-    """Turn of the root under the moment of weights with the finger straight, rad (power law)."""
-    if finger.root_give == 0.0:
-        return 0.0
-    link = finger.length / chain.LINKS
-    moment = pose.down * (weight * (np.arange(chain.LINKS) + 0.5) * link).sum() + load * finger.bore
-    return math.copysign(finger.root_give * 10.0 * (abs(moment) / 10.0) ** finger.root_power, moment)
 
 
 def free_elongation(finger: Finger, pressure: float) -> float:
