@@ -173,6 +173,21 @@ def _validate(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED if document["complete"] else ENGINE
 
 
+# effects
+
+
+def _effects_arguments(parser: argparse.ArgumentParser) -> None:
+    """No arguments of its own."""
+
+
+def _effects(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.effects.registry import document as listed
+
+    document = listed()
+    output.result(document, tables.effects(document, output.style))
+    return PASSED
+
+
 # measure
 
 
@@ -220,6 +235,7 @@ VERBS = {
     "bend": Verb("how a finger moves under pressure, weights, an obstacle", _bend_arguments, _bend),
     "validate": Verb("bend what was measured and say how far each model is off", _validate_arguments,
                      _validate),
+    "effects": Verb("physical effects that a model file can switch on", _effects_arguments, _effects),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }

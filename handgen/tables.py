@@ -118,6 +118,19 @@ def _off(name: str, model: dict[str, Any], key: str, words: str, style: Style) -
     return line if model["complete"] else style(f"{line}; {model['reached']}", COLOURS["fail"])
 
 
+def effects(document: dict[str, Any], style: Style) -> str:
+    """Every effect with what it says, its numbers, where it shows and what settles it."""
+    lines = []
+    for one in document["effects"]:
+        lines.append(f"{style(one['id'], '1')}: {one['name']}")
+        for p in one["parameters"]:
+            unit = "" if p["unit"] == "1" else f" {p['unit']}"
+            lines.append(f"    {p['name']:<11}{p['low']:g} to {p['high']:g}{unit}, absent at {p['null']:g}, "
+                         f"usually {p['usual']:.3g}: {p['meaning']}")
+        lines += [f"    {what:<11}{one[what]}" for what in ("signature", "settle", "source")]
+    return "\n".join(lines)
+
+
 def measured(report: dict[str, Any], style: Style) -> str:
     """Size, closed or not, walls: a line each."""
     low, high = ("({:.2f}, {:.2f}, {:.2f})".format(*corner) for corner in report["bbox_mm"])

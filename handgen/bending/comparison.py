@@ -7,7 +7,11 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from handgen.bending.model import BendModel
 from handgen.bending.request import Request, request
+from handgen.effects.course import READING
 from handgen.errors import InputError, Problem
 from handgen.measurements.load import Measured
 from handgen.measurements.model import Test
@@ -35,22 +39,30 @@ class Gap:
     """RMS of residuals over the means; None where a mean is 0."""
 
 
-def asked(measured: Measured, test: Test, model: str | os.PathLike, more: Sequence[float] = ()) -> Request:
+def asked(measured: Measured, test: Test, model: str | os.PathLike | BendModel,
+          more: Sequence[float] = ()) -> Request:
     """What `handgen bend` would be asked to answer `test`, and at `more` loads between its own.
 
+    Unloading begins where the test does: at its largest load, to which the finger was loaded before. On a
+    path other than loading there is nothing between the readings: `more` is left out.
+
     Raises:
-        InputError: the test does not rise from load to load, or hand and model do not fit.
+        InputError: hand and model do not fit, or the loads not the path.
     """
-    if test.path != "loading":
-        raise InputError([Problem(str(measured.file), f"tests.{test.id}.path", test.path,
-                                  "cannot be simulated: a model has no memory of earlier loads", "loading")])
-    values = sorted({*test.load.values, *more})
+    values = sorted({*test.load.values, *more}) if test.path == "loading" else test.load.values
     row = {"tip_loads": values} if test.load.quantity == "tip_load" else {"pressures": values}
     try:
         return request(measured.hand, finger=measured.measurements.finger, part=test.part, model=model,
-                       orientation=test.orientation, obstacle=test.obstacle, **row)
+                       orientation=test.orientation, obstacle=test.obstacle, path=test.path,
+                       times=_times(test, values), repeats=len(test.repeats), **row)
     except InputError as error:
         raise InputError(_in_file(error.problems, measured, test)) from None
+
+
+def _times(test: Test, values: Sequence[float]) -> list[float]:
+    """s of the readings at `values`; between a test's own they pass evenly from load to load."""
+    times = test.times or [READING * (i + 1) for i in range(len(test.load.values))]
+    return times if test.path != "loading" else np.interp(values, test.load.values, times).tolist()
 
 
 def _in_file(problems: Sequence[Problem], measured: Measured, test: Test) -> list[Problem]:
@@ -79,8 +91,12 @@ def loads(test: Test, curve: Curve) -> list[float]:
 
 def readings(test: Test, curve: Curve) -> list[float | None]:
     """What is read off `curve` at the loads of `test`, in its order."""
-    found = dict(zip((round(load, 9) for load in loads(test, curve)), observed(test, curve), strict=True))
-    return [found[round(load, 9)] for load in test.load.values]
+    there = [round(load, 9) for load in loads(test, curve)]
+    wanted, values = [round(load, 9) for load in test.load.values], observed(test, curve)
+    if there == wanted:
+        return values
+    found = dict(zip(there, values, strict=True))
+    return [found[load] for load in wanted]
 
 
 def gap(test: Test, simulated: Sequence[float | None], fitted: bool | None = None) -> Gap | None:

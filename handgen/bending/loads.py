@@ -12,6 +12,7 @@ from handgen.simulation.case import STANDARD_GRAVITY
 
 COMMAND_LINE = "command line"
 """Where a wrong argument is reported, from a notebook too."""
+LOADING, UNLOADING = "loading", "unloading"
 Numbers = str | Iterable[float | str] | float | None
 """`0:100:10`, `0,20,40`, or a list."""
 
@@ -53,7 +54,7 @@ class Faults(list[Problem]):
         self.append(Problem(COMMAND_LINE, option, value, message, allowed, suggestion))
 
 
-def pressures(given: Numbers, part: str, faults: Faults) -> tuple[float, ...]:
+def pressures(given: Numbers, part: str, faults: Faults, path: str = LOADING) -> tuple[float, ...]:
     """Those that are within range, kPa; a bare exoskeleton has none."""
     option = "--pressures"
     if part == "exoskeleton":
@@ -62,17 +63,18 @@ def pressures(given: Numbers, part: str, faults: Faults) -> tuple[float, ...]:
                        "leave it out; --tip-loads bends it")
         return (0.0,)
     found = _numbers(PRESSURES if given is None else given, option, faults)
-    _in_order(found, option, "kPa", HIGHEST, faults)
+    _in_order(found, option, "kPa", HIGHEST, faults, path)
     return tuple(number for number in found if 0.0 <= number <= HIGHEST)
 
 
-def tip_loads(given: Numbers, part: str, orientation: str, faults: Faults) -> tuple[float, ...]:
+def tip_loads(given: Numbers, part: str, orientation: str, faults: Faults,
+              path: str = LOADING) -> tuple[float, ...]:
     """Weights that hang on the fingertip, N: many for a bare exoskeleton, else at most one."""
     option = "--tip-loads"
     if given is None:
         return (0.0,)
     found = _numbers(given, option, faults)
-    _in_order(found, option, "N", HEAVIEST, faults)
+    _in_order(found, option, "N", HEAVIEST, faults, path)
     if part in LOOSE:
         faults.say(option, _shown(given), f"{LOOSE[part]} carries no weight",
                    "leave it out, or --part exoskeleton or assembly")
@@ -157,8 +159,8 @@ def _range(text: str, option: str, faults: Faults) -> Iterator[float]:
         yield from (start + i * step for i in range(round(steps) + 1))
 
 
-def _in_order(found: Sequence[float], option: str, unit: str, most: float, faults: Faults) -> None:
-    """Finite, within 0 to `most`, each larger than the one before."""
+def _in_order(found: Sequence[float], option: str, unit: str, most: float, faults: Faults, path: str) -> None:
+    """Finite, within 0 to `most`; while loading each larger than the one before, while unloading smaller."""
     before = -math.inf
     for number in found:
         if not math.isfinite(number):
@@ -166,9 +168,12 @@ def _in_order(found: Sequence[float], option: str, unit: str, most: float, fault
             continue
         if not 0.0 <= number <= most:
             faults.say(option, number, "is negative" if number < 0 else BEYOND[unit], f"0 to {most:g} {unit}")
-        if number <= before:
+        if path == LOADING and number <= before:
             faults.say(option, number, f"does not rise: it follows {before:g}",
                        f"{unit} in rising order, each once")
+        if path == UNLOADING and number >= before > -math.inf:
+            faults.say(option, number, f"does not fall: it follows {before:g}",
+                       f"{unit} in falling order, each once")
         before = number
 
 

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
+from handgen import effects
 from handgen.errors import InputError, Problem
 from handgen.materials import library
 from handgen.materials.sets import ParameterSet
@@ -59,11 +60,20 @@ class ThreadModel(Model):
         "(0 in a groove)", default=None)
 
 
+class OwnWeight(Model):
+    """How much of its own weight acts on a part, where something does not carry it (`--orientation`)."""
+
+    assembly: float = quantity("1", 0, 2, "share for a finger with its actuator", default=1.0)
+    exoskeleton: float = quantity("1", 0, 2, "share for a bare exoskeleton", default=1.0)
+    actuator: float = quantity("1", 0, 2, "share for a free actuator", default=1.0)
+
+
 class Effect(Model):
-    """A physical effect that is switched on."""
+    """A physical effect that is switched on: `handgen effects` lists them."""
 
     id: str = item("name of the effect")
-    parameters: dict[str, float] = item("its parameters by name", default_factory=dict)
+    parameters: dict[str, float] = item(
+        "its parameters by name; one that is left out has its usual value", default_factory=dict)
 
 
 class BendModel(Model):
@@ -84,11 +94,18 @@ class BendModel(Model):
         "mm", 0, 40, "over which plug and collar hold the actuator's base; null: the plug's length",
         default=None)
     thread: ThreadModel = item("the reinforcement", default_factory=ThreadModel)
+    own_weight: OwnWeight = item("what of it the model takes into account", default_factory=OwnWeight)
     effects: list[Effect] = item("switched on", default_factory=list)
     fitted: list[str] = item(
         "ids of the tests of a measurements file that its numbers were fitted on", default_factory=list)
     assumed: dict[str, str] = item("key path -> why this value, which no source gives", default_factory=dict)
     sources: dict[str, str] = item("key -> where numbers come from", default_factory=dict)
+
+    @property
+    def switched(self) -> list[effects.Switched]:
+        """The effects that are on, in their order, with all of their parameters."""
+        known = effects.catalogue() if self.effects else {}
+        return [effects.Switched(known[one.id], known[one.id].filled(one.parameters)) for one in self.effects]
 
 
 def default_name() -> str:
@@ -113,7 +130,7 @@ def load_model(wanted: str | os.PathLike) -> tuple[BendModel, str]:
         raise InputError([Problem("command line", "--model", text, "there is no model of this name",
                                   f"a YAML file, or one of {', '.join(names())}", nearest(text, names()))])
     file = str(FOLDER / f"{text}.yaml") if named else text
-    return load_single(file, BendModel, SCHEMA, _chosen, _unknown_effects), file
+    return load_single(file, BendModel, SCHEMA, _chosen, _wrong_effects), file
 
 
 def _chosen(data: dict) -> list[Fault]:
@@ -173,6 +190,9 @@ def _misspelt(at: tuple[str, str], material: str, given: dict) -> Iterator[Fault
             yield fault._replace(path=(*at, *fault.path), message=fault.message.removeprefix("Value error, "))
 
 
-def _unknown_effects(model: BendModel) -> list[Fault]:
-    return [Fault(("effects", i, "id"), "there is no effect of this name", effect.id, "none is known yet")
-            for i, effect in enumerate(model.effects)]
+def _wrong_effects(model: BendModel) -> list[Fault]:
+    found = [fault for i, one in enumerate(model.effects)
+             for fault in effects.faults(("effects", i), one.id, one.parameters)]
+    before = [one.id for one in model.effects]
+    return found + [Fault(("effects", i, "id"), "is switched on twice", name, "each effect once")
+                    for i, name in enumerate(before) if name in before[:i]]

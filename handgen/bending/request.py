@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from handgen.bending import loads, opposition, solvers
+from handgen.bending.applied import Applied
 from handgen.bending.compose import BODIES, Composer
 from handgen.bending.loads import Faults, Numbers
-from handgen.bending.model import Choice, default_name, load_model
+from handgen.bending.model import BendModel, Choice, default_name, load_model
 from handgen.bending.opposition import HingeCase
+from handgen.effects import Switched
 from handgen.errors import InputError, Problem
 from handgen.parameters.fault import nearest
 from handgen.parameters.load import Loaded, load
@@ -22,6 +24,7 @@ PARTS = ("assembly", "exoskeleton", "actuator", opposition.PART)
 FINEST = 3
 NAMES = ("--part", "--finger")
 """Options without which no case can be composed."""
+NO_EFFECTS = "the section model of the thumb's hinge knows no effects"
 FROM_THE_AXIS = "an actuator that lies in no finger: tip_drop is counted from its axis"
 
 
@@ -42,6 +45,10 @@ class Request:
     materials: Mapping[str, str]
     """Body -> its material."""
     notes: tuple[str, ...]
+    gauge: tuple[float, ...]
+    """MPa that the gauge says where the chamber sees the case's pressures."""
+    effects: tuple[Switched, ...] = ()
+    """What is switched on; those that change readings are at work when the case is solved."""
 
 
 def request(
@@ -53,16 +60,23 @@ def request(
     tip_loads: Numbers = None,
     orientation: str | None = None,
     obstacle: float | str | None = None,
-    model: str | os.PathLike | None = None,
+    model: str | os.PathLike | BendModel | None = None,
     solver: str | None = None,
     refine: int | str = 0,
+    path: str = "loading",
+    times: Sequence[float] = (),
+    repeats: int = 1,
 ) -> Request:
     """What to solve.
 
     `params` is a parameter file, or a hand that is loaded already. `pressures` (kPa) and `tip_loads` (N)
     are "start:end:step", "a,b,c" or a list, rising; left out, 0:100:10 kPa and no weight. `obstacle`: a
-    rigid plane so many mm below the palm side. `model`: a name of params/models or a file; left out,
-    `default_name()`.
+    rigid plane so many mm below the palm side. `model`: a name of params/models, a file, or a model; left
+    out, `default_name()`.
+
+    `path`: how the loads follow one another: "loading" rises, "unloading" falls from where it was loaded to,
+    "hold" and "cycle" are free; `times`, s, of the readings since the first load, and how often the course
+    was run (`repeats`, whose mean is asked for) matter to silicone that remembers.
 
     `part="opposition"` gives the angle of the thumb's hinge instead, from a section model without own weight
     (`handgen.bending.opposition`). What is left out is the index finger, palm down, the solver "solid"; for
@@ -77,7 +91,8 @@ def request(
     problems: list[Problem] = []
     faults = Faults()
     loaded = params if isinstance(params, Loaded) else _attempt(problems, load, params)
-    chosen = _attempt(problems, load_model, model if model is not None else default_name())
+    chosen = ((model, f"model {model.name}") if isinstance(model, BendModel)
+              else _attempt(problems, load_model, model if model is not None else default_name()))
     _one_of("--part", part, PARTS, faults)
     hinged = part == opposition.PART
     finger = finger if finger is not None else "thumb" if hinged else "index"
@@ -85,28 +100,44 @@ def request(
     solver = solver if solver is not None else solvers.names(part)[0]
     _one_of("--solver", solver, solvers.names(part), faults)
     gravity = loads.orientation(orientation, part, faults)
-    kilopascals = loads.pressures(pressures, part, faults)
-    newtons = loads.tip_loads(tip_loads, part, orientation, faults)
+    kilopascals = loads.pressures(pressures, part, faults, path)
+    newtons = loads.tip_loads(tip_loads, part, orientation, faults, path)
     plane = loads.obstacle(obstacle, part, faults)
     finer = _refine(refine, part, faults)
     if loaded is not None:
         _bendable(finger, part, loaded.hand, faults)
-    composer, case = None, None
+    composer, case, switched = None, None, ()
     if loaded is not None and chosen is not None and not any(p.path in NAMES for p in faults):
-        composer = Composer(loaded, *chosen, pressures=tuple(1e-3 * p for p in kilopascals))
+        model, file = chosen
+        switched = tuple(model.switched)
+        applied = Applied(switched, file, problems)
+        model = applied.model(model)
+        composer = Composer(applied.hand(loaded, finger), model, file,
+                            pressures=tuple(1e-3 * p for p in kilopascals))
         case = _case(composer, finger, part, dict(
-            contact=Contact(chosen[0].friction, chosen[0].bonded), gravity=gravity,
+            contact=Contact(model.friction, model.bonded), gravity=_acting(gravity, model, part),
             tip_loads=newtons, obstacle=plane, refine=finer))
         problems += (p for i, p in enumerate(composer.problems) if p not in composer.problems[:i])
+        if hinged and switched:
+            problems.append(Problem(file, "effects", switched[0].effect.id, NO_EFFECTS, "another --part"))
+        elif case is not None and not hinged:
+            case = applied.case(case, kilopascals, path, times, repeats)
     if problems or faults or composer is None or case is None:
         raise InputError([*problems, *faults])
     if hinged:
         case = composer.measured(case)
     materials = {body: composer.material(body)[0] for body in BODIES if part in (body, "assembly") or hinged}
     return Request(
-        loaded.hand.name, finger, part, orientation, chosen[0].name, solver, case,
-        {body: chosen[0].materials[name] for body, name in materials.items()}, materials,
-        tuple(_notes(finger, part, orientation)))
+        loaded.hand.name, finger, part, orientation, model.name, solver, case,
+        {body: model.materials[name] for body, name in materials.items()}, materials,
+        (*_notes(finger, part, orientation), *(one.sentence for one in switched)),
+        tuple(1e-3 * p for p in kilopascals), switched)
+
+
+def _acting(gravity: tuple[float, ...], model: BendModel, part: str) -> tuple[float, ...]:
+    """Gravity as the model lets it act on `part`."""
+    share = getattr(model.own_weight, part, 1.0)
+    return tuple(share * g for g in gravity)
 
 
 def _notes(finger: str, part: str, orientation: str) -> Iterator[str]:

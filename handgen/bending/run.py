@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 
 from handgen.bending import cache, solvers
+from handgen.bending.applied import read
 from handgen.bending.files import target, write
 from handgen.bending.request import Request, request
 from handgen.bending.result import Bend, judged
@@ -49,7 +50,7 @@ def solve(asked: Request, *, keep: bool = True, progress: Progress | None = None
     key = cache.key(asked.case, solver)
     if keep and (curve := cache.read(key)) is not None:
         say("as solved before")
-        return Bend(asked, curve, True)
+        return Bend(asked, read(curve, asked.case, asked.effects, asked.gauge), True)
     try:
         curve = solver.simulate(asked.case, progress)
     except (HandgenError, KeyboardInterrupt, MemoryError):
@@ -59,4 +60,4 @@ def solve(asked: Request, *, keep: bool = True, progress: Progress | None = None
     curve = judged(asked, curve)
     if keep:
         cache.write(key, curve)
-    return Bend(asked, curve, False)
+    return Bend(asked, read(curve, asked.case, asked.effects, asked.gauge), False)

@@ -101,7 +101,7 @@ def validate(measurements: str | os.PathLike = MEASUREMENTS, models: Sequence[st
     say = progress or (lambda line: None)
     measured = load_measurements(measurements)
     chosen = _models(models)
-    skipped = tuple({"test": test.id, "reason": f"{test.path}: a bend has no memory of earlier loads"}
+    skipped = tuple({"test": test.id, "reason": f"{test.path}: only loading is drawn as a curve"}
                     for test in measured.measurements.tests if test.path != "loading")
     answers, variants = [], []
     for test, name, wanted in _requests(measured, models):

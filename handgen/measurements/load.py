@@ -74,7 +74,8 @@ def _relations(found: Measurements) -> list[Fault]:
         before = {other.id for other in found.tests[:i]}
         if test.id in before:
             faults.append(Fault(("tests", i, "id"), "is the id of an earlier test", test.id))
-        for path, *rest in itertools.chain(_quantities(test), _order(test), _rows(test), _others(test)):
+        for path, *rest in itertools.chain(_quantities(test), _order(test), _moments(test), _rows(test),
+                                             _others(test)):
             faults.append(Fault(("tests", i, *path), *rest))
     return faults
 
@@ -102,6 +103,18 @@ def _order(test: Test) -> Iterator[tuple]:
         if sign and sign * (b - a) <= 0:
             word = "rise" if sign > 0 else "fall"
             yield ("load", "values", k), f"does not {word}: it follows {a:g}", b, f"{test.path} {word}s"
+
+
+def _moments(test: Test) -> Iterator[tuple]:
+    """Times that are too few or too many, or do not pass."""
+    if test.times is None:
+        return
+    if len(test.times) != len(test.load.values):
+        yield (("times",), f"has {len(test.times)} times", len(test.times),
+               f"{len(test.load.values)}, one a load")
+    for k, (a, b) in enumerate(itertools.pairwise(test.times), start=1):
+        if b <= a:
+            yield ("times", k), f"does not come later: it follows {a:g}", b, "s, rising"
 
 
 def _rows(test: Test) -> Iterator[tuple]:

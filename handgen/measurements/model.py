@@ -59,6 +59,9 @@ class Test(Model):
         "how own weight acts; weightless: something carries it")
     path: Literal["loading", "unloading", "hold", "cycle"] = item("how the loads follow one another")
     load: Load = item("what was changed")
+    times: list[Annotated[float, Field(ge=0, le=1e7)]] | None = item(
+        "s since the first load at which each reading was taken, what a hold is about; null: not noted",
+        default=None)
     observable: Observable = item("what was read")
     repeats: list[Row] = item(
         "one row a repeat, in the order taken; null: not read", min_length=1, max_length=1000)

@@ -55,6 +55,8 @@ class Contact:
     """Coulomb's coefficient, along the axis."""
     bonded: bool = False
     """The actuator sticks wherever it touches at rest: no model of a hand, kept for comparison."""
+    clearance: float = 0.0
+    """mm by which the bore, for the actuator alone, is wider all around."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Case:
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """mm/s2; palm down (0, 0, -STANDARD_GRAVITY). A component along y is not allowed: half model."""
     pressures: tuple[float, ...] = (0.0,)
-    """MPa, ascending."""
+    """MPa, in the order applied: rising, unless unloading is asked for."""
     tip_loads: tuple[float, ...] = (0.0,)
     """N, a weight that hangs on the fingertip; it pulls along gravity, or palmar without gravity."""
     obstacle: float | None = None

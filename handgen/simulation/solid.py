@@ -50,7 +50,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
             point, there = solver.advance(point, target)
             if there:
                 states.append(observe.state(system, point, _note(point)))
-                reached = target.tip if case.part == "exoskeleton" else target.pressure
+                reached = max(reached, target.tip if case.part == "exoskeleton" else target.pressure)
                 say(f"{_amount(case, target)}: tip {states[-1].tip_drop:.1f} mm below the palm")
                 continue
             stopped = f"no stable state was found beyond {_amount(case, point.load)}"

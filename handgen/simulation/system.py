@@ -389,7 +389,9 @@ class System:
 
     @property
     def _pieces(self) -> np.ndarray:
-        return np.array([(p.x0, p.x1, p.y0, p.y1, p.m0, p.m1) for p in self.case.finger.bore.pieces])
+        play = self.case.contact.clearance
+        return np.array([(p.x0, p.x1, p.y0 + play, p.y1 + play, p.m0, p.m1)
+                         for p in self.case.finger.bore.pieces])
 
     @property
     def _bone_arrays(self):

@@ -1,0 +1,89 @@
+"""Effects of a model at work: on the hand, the model, the case, what the chamber sees and what is read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from handgen.bending.model import BendModel
+from handgen.effects import Switched
+from handgen.errors import Problem
+from handgen.parameters import fault, relations
+from handgen.parameters.load import Loaded
+from handgen.parameters.model import Hand
+from handgen.simulation.case import Case, Curve
+
+T = TypeVar("T")
+READ = {"tip_drop": 1.0, "elongation": 1.0, "bend_angle": math.degrees(1.0), "tip_force": 1.0}
+"""Values of a state that a lab reads, in its units."""
+
+
+@dataclass(frozen=True)
+class Applied:
+    """The effects that are on, and where they stand."""
+
+    switched: tuple[Switched, ...]
+    file: str
+    problems: list[Problem]
+    """What hinders them goes here."""
+
+    def hand(self, loaded: Loaded, finger: str) -> Loaded:
+        """`loaded` as it really is; `finger` must still be one that can be made."""
+        hand: Hand = self._each(loaded.hand, lambda one, now: one.effect.on_hand(now, one.parameters))
+        if hand is not loaded.hand and (mine := hand.fingers.present().get(finger)):
+            self.problems.extend(
+                Problem(self.file, "effects", one.value, f"{fault.text(one.path)} {one.message}", one.allowed)
+                for one in relations.curl(mine, ("fingers", finger)))
+        return replace(loaded, hand=hand)
+
+    def model(self, model: BendModel) -> BendModel:
+        return self._each(model, lambda one, now: one.effect.on_model(now, one.parameters))
+
+    def case(self, case: Case, gauge: Sequence[float], path: str, times: Sequence[float],
+             repeats: int) -> Case:
+        """`case` with what the chamber sees where the gauge says `gauge`, kPa."""
+        if case.part != "exoskeleton":
+            seen = self._each(list(gauge),
+                              lambda one, now: list(one.effect.on_pressures(now, one.parameters)))
+            case = replace(case, pressures=tuple(1e-3 * pressure for pressure in seen))
+        return self._each(case, lambda one, now: one.effect.on_case(now, one.parameters))
+
+    def _each(self, given: T, change: Callable[[Switched, T], T]) -> T:
+        """`given`, changed by one effect after the other; one that cannot becomes a problem."""
+        for i, one in enumerate(self.switched):
+            try:
+                given = change(one, given)
+            except ValueError as error:
+                self.problems.append(Problem(self.file, f"effects[{i}]", one.effect.id, str(error)))
+        return given
+
+
+def read(curve: Curve, case: Case, switched: Sequence[Switched], gauge: Sequence[float]) -> Curve:
+    """`curve` of `case` as it is read: pressures as the `gauge` (MPa) says them, and readings off the finger.
+
+    Pressures in words (where a curve stopped) stay those of the chamber.
+    """
+    if not switched:
+        return curve
+    bare = case.part == "exoskeleton"
+    said = [state.pressure for state in curve.states] if bare else gauge
+    states = [replace(state, pressure=pressure) for state, pressure in zip(curve.states, said, strict=True)]
+    loads = [state.tip_load if bare else 1e3 * state.pressure for state in states]
+    for name, unit in READ.items():
+        values = [unit * getattr(s, name) if s.converged and getattr(s, name) is not None else None
+                  for s in states]
+        for effect, parameters in switched:
+            values = effect.on_reading(name, loads, values, parameters)
+        states = [state if value is None else replace(state, **{name: value / unit})
+                  for state, value in zip(states, values, strict=True)]
+    if bare:
+        return replace(curve, states=tuple(states))
+    order = np.argsort(case.pressures, kind="stable")
+    chamber, shown = np.array(case.pressures)[order], np.array(gauge)[order]
+    return replace(curve, states=tuple(states),
+                   folds=tuple(float(np.interp(fold, chamber, shown)) for fold in curve.folds),
+                   reached=max((s.pressure for s in states if s.converged), default=0.0))
