@@ -111,7 +111,7 @@ def test_a_law_known_from_uniaxial_tension_keeps_that_and_is_stiffer_in_planar_t
         assert nominal_stress(other, UNIAXIAL, 2.0) == pytest.approx(kept)
         stretches = np.linspace(1.2, 2.4, 7)
         ratio = nominal_stress(other, PLANAR, stretches) / nominal_stress(plain, PLANAR, stretches)
-        assert (ratio > 1.1).all() and (np.diff(ratio) > 0.0).all()
+        assert (ratio > 1.1).all() and (np.diff(ratio) > -1e-9).all()
         assert not failures(other, 1.5)
 
 
