@@ -42,7 +42,7 @@ class TestTangents:
 
     @pytest.fixture(params=[
         "actuator", "strips and bones", "weights", "contact", "friction", "bonds", "plane", "whole",
-        "bonded"])
+        "bonded", "soft base", "turned plane", "closing slots", "lost stiffness"])
     def system_at(self, request):
         """(system, unknowns, load) with one part only, or with all."""
         what, load = request.param, Load()
@@ -53,15 +53,24 @@ class TestTangents:
         elif what == "weights":
             system, load = System(case("exoskeleton", tip_loads=[0.3])), Load(0.7, 0.0, 0.3)
             system.blocks = []
-        elif what == "plane":
-            system = System(replace(case("exoskeleton"), obstacle=0.3))
+        elif what == "lost stiffness":
+            system, load = System(replace(case("actuator"), offset=0.4)), Load(0.0, 0.02, 0.0, 0.3)
+        elif what == "soft base":
+            system = System(replace(case("exoskeleton", tip_loads=[0.3]), base_compliance=0.01))
+            system.blocks, load = [], Load(0.7, 0.0, 0.3)
+        elif what == "closing slots":
+            system = System(replace(case("exoskeleton"), edges_left=1.02))
+            system.blocks = []
+        elif what in ("plane", "turned plane"):
+            system = System(replace(case("exoskeleton"), obstacle=0.3,
+                                    base_compliance=0.01 if what == "turned plane" else 0.0))
             system.blocks = []
         else:
             friction = 0.4 if what in ("friction", "whole") else 0.0
             system = System(case("assembly", friction=friction, bonded=what in ("bonds", "bonded")))
             load = Load(1.0, 0.03, 0.2) if what in ("whole", "bonded") else Load()
         q = swollen(system) if what in ("contact", "friction", "whole") else shaken(system)
-        if what == "plane":
+        if what in ("plane", "turned plane"):
             q[system.body_dofs[1:, 1]] = -0.6
         if what in ("contact", "friction", "bonds"):
             only_pairs(system, np.full(len(system.pair_bodies), True))

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from handgen.bending.model import BendModel
-from handgen.effects import Switched
+from handgen.effects import Course, Switched
 from handgen.errors import Problem
 from handgen.parameters import fault, relations
 from handgen.parameters.load import Loaded
@@ -49,8 +49,17 @@ class Applied:
         if case.part != "exoskeleton":
             seen = self._each(list(gauge),
                               lambda one, now: list(one.effect.on_pressures(now, one.parameters)))
-            case = replace(case, pressures=tuple(1e-3 * pressure for pressure in seen))
+            case = replace(case, pressures=tuple(1e-3 * pressure for pressure in seen),
+                           softening=self._softening(Course(tuple(seen), path, tuple(times), repeats)))
         return self._each(case, lambda one, now: one.effect.on_case(now, one.parameters))
+
+    def _softening(self, course: Course) -> tuple[float, ...]:
+        """Share of the silicone's stiffness that all effects together take at every reading; empty: none."""
+        left = [1.0] * len(course.pressures)
+        for one in self.switched:
+            lost = one.effect.on_course(course, one.parameters)
+            left = [a * (1.0 - b) for a, b in zip(left, lost, strict=True)]
+        return tuple(1.0 - share for share in left) if any(share != 1.0 for share in left) else ()
 
     def _each(self, given: T, change: Callable[[Switched, T], T]) -> T:
         """`given`, changed by one effect after the other; one that cannot becomes a problem."""

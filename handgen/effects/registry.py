@@ -17,6 +17,7 @@ GROUP = "handgen.effects"
 OWN = (
     "own_weight", "rest_curl", "print_porosity", "silicone_softening", "wrong_convention",
     "uniaxial_only_law", "bore_clearance", "pressure_offset", "pressure_gain", "bore_friction",
+    "base_compliance", "thread_spacing", "asymmetric_winding", "mullins", "creep", "self_contact",
     "scale_error", "contact_angle",
 )
 """Modules of handgen.effects, each with its EFFECT."""

@@ -43,6 +43,8 @@ class Winding:
     """x of the first turn, mm (`thread.held_back`)."""
     end: float
     """x of the last turn, mm (the large core's end less `thread.held_back`)."""
+    bulge: float = 0.0
+    """mm/MPa: how much further than its turns the wall moves out, on average, under what they hold back."""
     compressive: float = 0.02
     """Stiffness under compression as a share of that under tension: a bedded thread buckles."""
 
@@ -87,6 +89,14 @@ class Case:
     """N, a weight that hangs on the fingertip; it pulls along gravity, or palmar without gravity."""
     obstacle: float | None = None
     """A rigid plane so many mm below the palm side (z = -R(0) - obstacle)."""
+    base_compliance: float = 0.0
+    """rad/(N mm): how far the finger's root turns in its clamp."""
+    offset: float = 0.0
+    """mm by which the actuator's core and thread lie nearer to its back than in the middle."""
+    edges_left: float = 0.0
+    """Share of the distance at rest of a slot's palmar edges at which it is closed."""
+    softening: tuple[float, ...] = ()
+    """Share of the silicone's stiffness that is lost at each of `pressures`; empty: none."""
     refine: int = 0
     """0: the standard mesh; every step halves the elements' edges, about."""
 

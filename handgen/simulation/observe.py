@@ -16,6 +16,8 @@ TIP = 5.0
 def state(system: System, point: Point, note: str = "") -> State:
     """The State of a stable `point` of `system`."""
     x = system.positions(point.q)
+    if system.base:
+        x = system.base.carried(x, point.q)
     positions, stretch = {}, {}
     for name, mesh, first in (("actuator", system.actuator, 0),
                               ("exoskeleton", system.exoskeleton, system.first)):
@@ -53,7 +55,8 @@ def _drop(system: System, x: np.ndarray) -> float:
 def _angle(system: System, x: np.ndarray, q: np.ndarray) -> float:
     """Flexion of the tip, rad: that of the last bone, or of a free actuator's tip face."""
     if system.bones is not None:
-        return float(system.bones.angle[-1] + system.bone_states(q)[-1, 2])
+        root = system.base.angle(q) if system.base else 0.0
+        return float(root + system.bones.angle[-1] + system.bone_states(q)[-1, 2])
     across = x[system.actuator.back[-1]] - x[system.actuator.axis[-1]]
     return float(np.arctan2(across[0], across[2]))
 

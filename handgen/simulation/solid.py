@@ -39,7 +39,8 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
     solver = Solver(system, os.environ.get(FACTORISER, ""))
     weight = 1.0 if any(case.gravity) else 0.0
     targets = ([Load(weight, 0.0, t) for t in case.tip_loads] if case.part == "exoskeleton"
-               else [Load(weight, p, case.tip_loads[0]) for p in case.pressures])
+               else [Load(weight, p, case.tip_loads[0], lost) for p, lost in zip(
+                   case.pressures, case.softening or [0.0] * len(case.pressures), strict=True)])
     states: list[State] = []
     point = solver.begin()
     reached, stopped = 0.0, "" if point else "the unloaded finger finds no balance"

@@ -15,9 +15,12 @@ import numpy as np
 from handgen.geometry.finger import Axis
 from handgen.materials.law import Law
 from handgen.simulation import cavity, contact, element, fibre, shapes
+from handgen.simulation.base import Base, add_turned_plane
 from handgen.simulation.case import Case, Grid, Substance
+from handgen.simulation.closing import Closing
 from handgen.simulation.exoskeleton import NEVER, ExoskeletonMesh, exoskeleton_mesh
 from handgen.simulation.mesh import ActuatorMesh, actuator_mesh
+from handgen.simulation.offcentre import shifted
 from handgen.simulation.sparse import Pattern
 
 PLANE = 1e-9
@@ -32,18 +35,19 @@ POLYNOMIALS = {"neo_hookean": ("c10",), "mooney_rivlin": ("c10", "c01"), "yeoh":
 
 @dataclass(frozen=True)
 class Load:
-    """What acts: share of own weight, pressure MPa, tip load N."""
+    """What acts: share of own weight, pressure MPa, tip load N; share of the silicone's stiffness lost."""
 
     weight: float = 0.0
     pressure: float = 0.0
     tip: float = 0.0
+    lost: float = 0.0
 
     def towards(self, other: Load, share: float) -> Load:
         return Load(*(float(a + share * (b - a)) for a, b in zip(self.parts, other.parts, strict=True)))
 
     @property
-    def parts(self) -> tuple[float, float, float]:
-        return self.weight, self.pressure, self.tip
+    def parts(self) -> tuple[float, float, float, float]:
+        return self.weight, self.pressure, self.tip, self.lost
 
 
 def kernel_law(law: Law) -> tuple[int, np.ndarray]:
@@ -81,6 +85,12 @@ class Block:
         self.moduli = np.zeros((*self.weight.shape, 9, 9))
         self.pressure = np.zeros(self.weight.shape)
 
+    def softened(self, lost: float) -> np.ndarray:
+        """The constants with a share of the law's stresses `lost`; of a row of powers only the mu."""
+        if self.form == element.OGDEN:
+            return self.constants * np.where(np.arange(len(self.constants)) % 2, 1.0, 1.0 - lost)
+        return (1.0 - lost) * self.constants
+
 
 class System:
     """`case` discretised. Nodes of the actuator come first, then those of the exoskeleton."""
@@ -93,10 +103,17 @@ class System:
         self.exoskeleton: ExoskeletonMesh | None = None
         if case.part != "exoskeleton":
             self.actuator = actuator_mesh(case.actuator, case.winding, case.held, case.refine)
+            if case.offset:
+                depth = case.winding.depth if case.winding else 0.0
+                self.actuator = shifted(self.actuator, case.actuator, depth, case.offset)
         if case.part != "actuator":
             self.exoskeleton = exoskeleton_mesh(case.finger, case.fillet, case.refine)
         self.first = len(self.actuator.grid.nodes) if self.actuator else 0
         self._number()
+        gives = self.exoskeleton is not None and case.base_compliance > 0.0
+        self.base = Base(self, case.base_compliance) if gives else None
+        closes = self.exoskeleton is not None and case.edges_left > 0.0
+        self.closing = Closing(case, self.bones) if closes else None
         self._weigh()
         self.blocks = self._blocks()
         self._pairs()
@@ -232,6 +249,8 @@ class System:
             places, masses = self._centres(b)
             arms = ((places - [self.bones.pivot[b], 0, 0]) ** 2).sum(axis=1)
             found[self.body_dofs[b]] = np.array([masses.sum(), masses.sum(), (masses * arms).sum()]) / mean
+        if self.base:
+            found[self.base.dof] = found[self.turns[:-1]].sum()
         return found
 
     def _pairs(self) -> None:
@@ -293,14 +312,18 @@ class System:
         self.largest_face = float(np.linalg.norm(diagonals, axis=1).max() / 2) if len(self.faces) else 0.0
         self._wind(moving)
         pairs = np.hstack([self.dofs[self.pair_nodes].reshape(-1, 6), self.body_dofs[self.pair_bodies]])
-        plane = self.body_dofs[self.plane_bodies]
-        groups += [self.dofs[self.threads].reshape(-1, 6), self.dofs[self.faces].reshape(-1, 12), pairs,
-                   plane, self.body_dofs]
-        self.pattern = Pattern(groups, self.size)
+        named = {"threads": self.dofs[self.threads].reshape(-1, 6),
+                 "faces": self.dofs[self.faces].reshape(-1, 12), "pairs": pairs,
+                 "plane": self.body_dofs[self.plane_bodies], "bones": self.body_dofs}
+        if self.base:
+            named |= self.base.groups(self.plane_bodies)
+        if self.closing:
+            named["closing"] = self.closing.groups(self.body_dofs)
+        self.pattern = Pattern([*groups, *named.values()], self.size)
         for block, dofs, place in zip(self.blocks, groups, self.pattern.places, strict=False):
             block.dofs, block.place = dofs, place
-        self.groups = dict(zip(("threads", "faces", "pairs", "plane", "bones"),
-                               zip(groups[-5:], self.pattern.places[-5:], strict=True), strict=True))
+        self.groups = dict(zip(named, zip(named.values(), self.pattern.places[len(groups):], strict=True),
+                               strict=True))
 
     def _wind(self, moving: np.ndarray) -> None:
         w = self.case.winding
@@ -310,7 +333,9 @@ class System:
         self.compressive = 0.0
         if w is not None and self.actuator:
             turns = self.actuator.thread_span[moving] / w.pitch
-            self.thread_stiffness = w.young * np.pi / 4 * w.diameter**2 * turns
+            radius = np.linalg.norm(self.actuator.grid.nodes[self.threads[:, 0], 1:], axis=1)
+            give = 4 / (w.young * np.pi * w.diameter**2) + w.bulge / (w.pitch * radius**2)
+            self.thread_stiffness = turns / give
             self.compressive = w.compressive
         self.tension = np.zeros(len(self.threads))
 
@@ -323,7 +348,7 @@ class System:
         """
         x = self.positions(q)
         frames, curves = self._frames(q)
-        energy, force, matrix, least = self._deform(x, frames, curves, exact)
+        energy, force, matrix, least = self._deform(x, frames, curves, load.lost, exact)
         if least <= 0.0:
             return np.inf, force, matrix, least
         if len(self.threads):
@@ -344,14 +369,18 @@ class System:
                 self.dragged, exact, self.grip, *self.groups["pairs"], force, matrix)
         if len(self.plane_points):
             level = -self.case.finger.outer(0.0) - self.case.obstacle
-            part, self.pushed = contact.add_plane(
-                self.plane_points, self.plane_bodies, self.plane_areas, level, *self._bone_arrays[2:],
-                self.bone_states(q), *self.groups["plane"], force, matrix)
+            what = (self.plane_points, self.plane_bodies, self.plane_areas, level, *self._bone_arrays[2:],
+                    self.bone_states(q))
+            part, self.pushed = (
+                add_turned_plane(*what, self.base.angle(q), *self.groups["base_plane"], force, matrix)
+                if self.base else contact.add_plane(*what, *self.groups["plane"], force, matrix))
             energy += part
+        if self.closing:
+            energy += self.closing.add(self.bone_states(q), *self.groups["closing"], force, matrix)
         energy += self._act(x, q, load, force, matrix)
         return energy, force, matrix, least
 
-    def _deform(self, x, frames, curves, exact: bool):
+    def _deform(self, x, frames, curves, lost: float, exact: bool):
         """(energy, force, matrix, least J) of the elements, in as many threads as there are."""
 
         def share(number: int):
@@ -360,7 +389,8 @@ class System:
             for b in self.blocks:
                 at = self._part(number, len(b.cells))
                 part, low = element.assemble(
-                    x, b.cells[at], b.dn[at], b.weight[at], b.form, b.constants, b.bulk, b.mean,
+                    x, b.cells[at], b.dn[at], b.weight[at], b.form,
+                    b.softened(lost) if b.mean else b.constants, b.bulk, b.mean,
                     b.stress[at], b.pressure[at], exact, b.first[at], b.moduli[at], b.dofs[at],
                     b.place[at], frames, curves, b.framed[at], force, matrix)
                 energy, least = energy + part, min(least, low)
@@ -406,13 +436,20 @@ class System:
         energy = 0.0
         if load.pressure and len(self.faces):
             energy += cavity.add_pressure(x, self.faces, load.pressure, *self.groups["faces"], force, matrix)
+        if self.base:
+            energy += self.base.spring(q, force, matrix, self.pattern.diagonal)
         if load.weight and self.gravity.any():
-            pull = load.weight * self.masses[:, None] * self.gravity
+            acting = load.weight * self.gravity
+            loose = np.where(self.body == NEVER, self.masses, 0.0)
+            if self.base:
+                self.base.add_weight(x, loose, acting, q, self.groups["base_nodes"][1], force, matrix,
+                                     self.pattern.diagonal)
+            pull = self.masses[:, None] * (self.base.seen(acting, q) if self.base else acting)
             energy -= (pull * x)[self.body == NEVER].sum()
             free = self.node_dofs >= 0
             np.subtract.at(force, self.node_dofs[free], pull[free])
             for b in range(len(self.bones.start) if self.bones is not None else 0):
-                energy += self._pull(b, self._centres(b), load.weight * self.gravity, q, force, matrix)
+                energy += self._pull(b, self._centres(b), acting, q, force, matrix)
         if load.tip and self.bones is not None:
             down = np.array([0.0, 0.0, -1.0])
             along = self.gravity / np.linalg.norm(self.gravity) if self.gravity.any() else down
@@ -434,13 +471,18 @@ class System:
         places, masses = points
         states = self.bone_states(q)
         at = self.bones.carried(b, places, states)
+        a = self.bones.angle[b] + states[b, 2]
+        c, s = np.cos(a), np.sin(a)
+        u, w = places[:, 0] - self.bones.pivot[b], places[:, 2]
+        if self.base:
+            arm = np.stack([-s * u + c * w, 0 * u, -c * u - s * w], -1)
+            self.base.add_pull(b, at, arm, masses, acceleration, q, self.groups["base_bones"][1], force,
+                               matrix, self.pattern.diagonal)
+            acceleration = self.base.seen(acceleration, q)
         energy = -(masses[:, None] * acceleration * at).sum()
         dofs = self.body_dofs[b]
         if dofs[0] < 0:
             return energy
-        a = self.bones.angle[b] + states[b, 2]
-        c, s = np.cos(a), np.sin(a)
-        u, w = places[:, 0] - self.bones.pivot[b], places[:, 2]
         gx, gz = acceleration[0], acceleration[2]
         total = masses.sum()
         force[dofs] -= (total * gx, total * gz,

@@ -1,0 +1,33 @@
+"""Silicone that yields with time."""
+
+from __future__ import annotations
+
+import math
+
+from handgen.effects.effect import Effect
+from handgen.effects.parameter import Parameter, Prior
+
+KNOWN = 10.0
+"""s; what a tensile test takes: the law holds for that long."""
+
+
+class Creep(Effect):
+    """The silicone's moduli fall by the same share in every decade of time since the first load."""
+
+    id = "creep"
+    name = "creep"
+    sentence = "The silicone loses a share of {rate:.3f} of its stiffness in every tenfold of time under load"
+    signature = ("under a held pressure the finger moves on, as much from 1 to 10 minutes as before; later "
+                 "readings of a row lie further out than earlier ones; not the bare exoskeleton")
+    source = ("A. N. Gent (ed.), Engineering with Rubber: rubbers relax by a few percent a decade of time; "
+              "the source notes no times")
+    settle = "hold the free actuator at 40 kPa and read it after 10 s, 1 min and 10 min"
+    parameters = (Parameter(
+        "rate", "1", 0.0, 0.2, 0.0, Prior("lognormal", (0.05, 0.6)),
+        "share of stiffness lost a decade of time, from 10 s on"),)
+
+    def on_course(self, course, p):
+        return [p["rate"] * math.log10(1.0 + time / KNOWN) for time in course.elapsed]
+
+
+EFFECT = Creep()
