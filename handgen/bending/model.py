@@ -17,7 +17,7 @@ from handgen.errors import InputError, Problem
 from handgen.materials import library
 from handgen.materials.sets import ParameterSet
 from handgen.parameters import explain
-from handgen.parameters.fault import Fault, nearest
+from handgen.parameters.fault import Fault, nearest, text
 from handgen.parameters.quantity import Model, item, quantity
 from handgen.parameters.single import load_single
 
@@ -118,18 +118,24 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.yaml"))
 
 
-def load_model(wanted: str | os.PathLike) -> tuple[BendModel, str]:
-    """The model of a name ("literature") or file, and the file that it stands in.
+def load_model(wanted: str | os.PathLike | BendModel) -> tuple[BendModel, str]:
+    """The model of a name ("literature") or file, and the file that it stands in; a model is taken as it is.
 
     Raises:
-        InputError: no such model, with the nearest name; every error of the file.
+        InputError: no such model, with the nearest name; every error of the file; wrong effects of a model.
     """
-    text = os.fspath(wanted)
-    named = not (os.sep in text or text.endswith((".yaml", ".yml")) or os.path.exists(text))
-    if named and text not in names():
-        raise InputError([Problem("command line", "--model", text, "there is no model of this name",
-                                  f"a YAML file, or one of {', '.join(names())}", nearest(text, names()))])
-    file = str(FOLDER / f"{text}.yaml") if named else text
+    if isinstance(wanted, BendModel):
+        where = f"model {wanted.name}"
+        if found := _wrong_effects(wanted):
+            raise InputError([Problem(where, text(f.path), f.value, f.message, f.allowed, f.suggestion)
+                              for f in found])
+        return wanted, where
+    word = os.fspath(wanted)
+    named = not (os.sep in word or word.endswith((".yaml", ".yml")) or os.path.exists(word))
+    if named and word not in names():
+        raise InputError([Problem("command line", "--model", word, "there is no model of this name",
+                                  f"a YAML file, or one of {', '.join(names())}", nearest(word, names()))])
+    file = str(FOLDER / f"{word}.yaml") if named else word
     return load_single(file, BendModel, SCHEMA, _chosen, _wrong_effects), file
 
 

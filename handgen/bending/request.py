@@ -24,6 +24,7 @@ PARTS = ("assembly", "exoskeleton", "actuator", opposition.PART)
 FINEST = 3
 NAMES = ("--part", "--finger")
 """Options without which no case can be composed."""
+REFERENCE = "reference"
 NO_EFFECTS = "the section model of the thumb's hinge knows no effects"
 FROM_THE_AXIS = "an actuator that lies in no finger: tip_drop is counted from its axis"
 
@@ -91,8 +92,7 @@ def request(
     problems: list[Problem] = []
     faults = Faults()
     loaded = params if isinstance(params, Loaded) else _attempt(problems, load, params)
-    chosen = ((model, f"model {model.name}") if isinstance(model, BendModel)
-              else _attempt(problems, load_model, model if model is not None else default_name()))
+    chosen = _attempt(problems, load_model, model if model is not None else default_name())
     _one_of("--part", part, PARTS, faults)
     hinged = part == opposition.PART
     finger = finger if finger is not None else "thumb" if hinged else "index"
@@ -106,32 +106,47 @@ def request(
     finer = _refine(refine, part, faults)
     if loaded is not None:
         _bendable(finger, part, loaded.hand, faults)
-    composer, case, switched = None, None, ()
+    composed = None
     if loaded is not None and chosen is not None and not any(p.path in NAMES for p in faults):
-        model, file = chosen
-        switched = tuple(model.switched)
-        applied = Applied(switched, file, problems)
-        model = applied.model(model)
-        composer = Composer(applied.hand(loaded, finger), model, file,
-                            pressures=tuple(1e-3 * p for p in kilopascals))
-        case = _case(composer, finger, part, dict(
-            contact=Contact(model.friction, model.bonded), gravity=_acting(gravity, model, part),
-            tip_loads=newtons, obstacle=plane, refine=finer))
-        problems += (p for i, p in enumerate(composer.problems) if p not in composer.problems[:i])
-        if hinged and switched:
-            problems.append(Problem(file, "effects", switched[0].effect.id, NO_EFFECTS, "another --part"))
-        elif case is not None and not hinged:
-            case = applied.case(case, kilopascals, path, times, repeats)
-    if problems or faults or composer is None or case is None:
+        composed = _composed(loaded, chosen, finger, part, dict(
+            gravity=gravity, tip_loads=newtons, obstacle=plane, refine=finer),
+            (kilopascals, path, times, repeats), problems)
+    if composed is not None and solver == REFERENCE and not hinged and composed[1].extended:
+        faults.say("--solver", solver, f"does not know {', '.join(composed[1].extended)}", "solid")
+    if problems or faults or composed is None:
         raise InputError([*problems, *faults])
+    composer, case, switched = composed
     if hinged:
         case = composer.measured(case)
     materials = {body: composer.material(body)[0] for body in BODIES if part in (body, "assembly") or hinged}
     return Request(
-        loaded.hand.name, finger, part, orientation, model.name, solver, case,
-        {body: model.materials[name] for body, name in materials.items()}, materials,
+        loaded.hand.name, finger, part, orientation, composer.model.name, solver, case,
+        {body: composer.model.materials[name] for body, name in materials.items()}, materials,
         (*_notes(finger, part, orientation), *(one.sentence for one in switched)),
         tuple(1e-3 * p for p in kilopascals), switched)
+
+
+def _composed(loaded: Loaded, chosen: tuple[BendModel, str], finger: str, part: str, loading: dict,
+              course: tuple, problems: list[Problem]) -> tuple[Composer, Case | HingeCase, tuple] | None:
+    """(composer, case, effects that are on); None, and why in `problems`, if hand or model do not allow it.
+
+    `course`: kPa that the gauge says, path, times and repeats.
+    """
+    model, file = chosen
+    switched = tuple(model.switched)
+    if switched and part == opposition.PART:
+        problems.append(Problem(file, "effects", switched[0].effect.id, NO_EFFECTS, "another --part"))
+        return None
+    applied = Applied(switched, file, problems)
+    model = applied.model(model)
+    composer = Composer(applied.hand(loaded, finger), model, file,
+                        pressures=tuple(1e-3 * p for p in course[0]))
+    loading["gravity"] = _acting(loading["gravity"], model, part)
+    case = _case(composer, finger, part, dict(contact=Contact(model.friction, model.bonded), **loading))
+    problems += (p for i, p in enumerate(composer.problems) if p not in composer.problems[:i])
+    if case is not None and part != opposition.PART:
+        case = applied.case(case, *course)
+    return None if case is None else (composer, case, switched)
 
 
 def _acting(gravity: tuple[float, ...], model: BendModel, part: str) -> tuple[float, ...]:

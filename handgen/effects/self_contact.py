@@ -13,8 +13,8 @@ class SelfContact(Effect):
 
     id = "self_contact"
     name = "closing joints"
-    sentence = ("A joint closes on itself when {left:.2f} of the distance of its palmar edges is left, and bends no "
-                "further")
+    sentence = ("A joint closes on itself when {left:.2f} of the distance of its palmar edges is left, and "
+                "bends no further")
     signature = ("nothing at small curl; from some angle on the finger stops bending, joint by joint, under "
                  "weights as under pressure; the free actuator is untouched")
     source = ("nothing in the source's model stops a joint: its slots are 9 mm, a joint bent by 70 degrees "

@@ -100,6 +100,17 @@ class Case:
     refine: int = 0
     """0: the standard mesh; every step halves the elements' edges, about."""
 
+    @property
+    def extended(self) -> tuple[str, ...]:
+        """Names of what goes beyond the plain finger, which a solver may not know."""
+        return tuple(name for name, there in (
+            ("play in the bore", self.contact.clearance != 0.0),
+            ("a bulge between the thread's turns", self.winding is not None and self.winding.bulge != 0.0),
+            ("a base that gives", self.base_compliance != 0.0),
+            ("an actuator off its centre", self.offset != 0.0),
+            ("joints that close", self.edges_left != 0.0), ("silicone that remembers", bool(self.softening)),
+        ) if there)
+
 
 @dataclass(frozen=True)
 class Grid:

@@ -1,0 +1,187 @@
+"""Effects at work in the finite elements: signs of their signatures, closed forms, what they leave alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from handgen.bending import model
+from handgen.bending.model import load_model
+from handgen.bending.request import request
+from handgen.effects import Course, catalogue
+from handgen.simulation.base import Base
+from handgen.simulation.mesh import actuator_mesh
+from handgen.simulation.offcentre import shifted
+from handgen.simulation.solid import simulate
+from handgen.simulation.solve import Solver
+from handgen.simulation.system import Load, System
+from tests.fingers import PARAMS, case
+
+HAND = PARAMS / "thesis_hand.yaml"
+
+
+def asked(part: str, name: str = "", path: str = "loading", **arguments):
+    """The case of a finger with one effect on; a parameter of the effect under its name."""
+    known = {one.name for one in catalogue()[name].parameters} if name else set()
+    own = {k: v for k, v in arguments.items() if k in known}
+    effects = [model.Effect(id=name, parameters=own)] if name else []
+    wanted = load_model("calibrated")[0].model_copy(update={"effects": effects})
+    rest = {k: v for k, v in arguments.items() if k not in known}
+    return request(HAND, part=part, model=wanted, path=path, **rest).case
+
+
+def curve(quantity: str, wanted) -> list[float]:
+    found = simulate(wanted)
+    assert not found.stopped
+    return [getattr(state, quantity) for state in found.states]
+
+
+# The free actuator
+
+UP = [20, 40, 60]
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return curve("elongation", asked("actuator", pressures=UP, orientation="weightless"))
+
+
+def elongation(name: str, path: str = "loading", pressures=None, **parameters) -> list[float]:
+    return curve("elongation", asked("actuator", name, path, pressures=pressures or UP,
+                                     orientation="weightless", **parameters))
+
+
+def test_soft_silicone_stretches_further_and_a_uniaxial_law_less(plain):
+    softer = np.divide(elongation("silicone_softening", softening=0.2), plain)
+    stiffer = np.divide(elongation("uniaxial_only_law", share=0.25), plain)
+    assert (softer > 1.2).all() and (stiffer < 0.9).all()
+    assert stiffer[-1] < stiffer[0] - 0.03
+
+
+def test_wide_turns_let_the_wall_out_and_the_tip_go_less_far_at_first(plain):
+    case = asked("actuator", "thread_spacing", pressures=UP, orientation="weightless", wider=2.0)
+    assert case.winding.pitch == pytest.approx(4.0) and case.winding.bulge > 5.0
+    found = simulate(case)
+    grown = widening(found)
+    assert grown > 2.0 * widening(simulate(asked("actuator", pressures=UP, orientation="weightless")))
+    once, twice = (elongation("thread_spacing", wider=w) for w in (1.4, 2.0))
+    moved = np.subtract([once, twice], plain)
+    assert (np.abs(moved[1]) > np.abs(moved[0])).all() and (np.sign(moved[0]) == np.sign(moved[1])).all()
+
+
+def widening(found) -> float:
+    drawn = found.grids["actuator"].nodes
+    there = found.states[-1].positions["actuator"]
+    return float((np.hypot(*there[:, 1:].T) - np.hypot(*drawn[:, 1:].T)).max())
+
+
+def test_an_actuator_off_its_centre_bends_to_its_thick_side(plain):
+    dorsal, palmar = (simulate(asked("actuator", "asymmetric_winding", pressures=UP, orientation="weightless",
+                                     offset=by)) for by in (0.3, -0.3))
+    bend = [state.bend_angle for state in dorsal.states]
+    assert 0.0 < bend[0] < bend[1] < bend[2]
+    assert [state.bend_angle for state in palmar.states] == pytest.approx([-b for b in bend], rel=2e-2)
+    assert dorsal.states[-1].elongation < plain[-1]
+
+
+def test_the_outside_and_the_chamber_s_size_stay_where_the_core_is_off_centre():
+    one = asked("actuator", pressures=[0], orientation="weightless")
+    mesh = actuator_mesh(one.actuator, one.winding, one.held, 0)
+    moved = shifted(mesh, one.actuator, one.winding.depth, 0.4).grid.nodes - mesh.grid.nodes
+    outside = np.unique(mesh.outside)
+    assert moved[outside] == pytest.approx(0.0, abs=1e-9)
+    chamber, thread = np.unique(mesh.chamber), np.unique(mesh.threads)
+    assert moved[chamber] == pytest.approx(np.tile([0, 0, 0.4], (len(chamber), 1)))
+    assert moved[thread] == pytest.approx(np.tile([0, 0, 0.4], (len(thread), 1)), abs=1e-9)
+
+
+def test_silicone_that_was_stretched_lies_further_out_coming_down(plain):
+    down = elongation("mullins", "unloading", UP[::-1], depth=0.3)[::-1]
+    assert down[-1] == pytest.approx(plain[-1], rel=1e-3)
+    assert (np.array(down[:-1]) > 1.1 * np.array(plain[:-1])).all()
+    assert elongation("mullins", depth=0.3) == pytest.approx(plain, abs=0)
+
+
+def test_a_held_finger_creeps_by_the_same_share_a_decade():
+    case = asked("actuator", "creep", "hold", pressures=[30, 30, 30], orientation="weightless", rate=0.05,
+                 times=[90.0, 990.0, 9990.0])
+    assert case.softening == pytest.approx([0.05, 0.10, 0.15])
+    first, second, third = curve("elongation", case)
+    softer = elongation("silicone_softening", pressures=[30], softening=0.10)
+    assert first < second < third
+    assert second == pytest.approx(softer[0], rel=2e-3)  # bulk apart, the same material
+
+
+def test_repeats_of_a_fresh_actuator_are_softer_but_the_first():
+    course, depth = Course((20.0, 40.0, 60.0), repeats=3), {"depth": 0.3}
+    alone = catalogue()["mullins"].on_course(replace(course, repeats=1), depth)
+    mean = catalogue()["mullins"].on_course(course, depth)
+    down = catalogue()["mullins"].on_course(Course((60.0, 40.0, 20.0)), depth)
+    assert alone == [0.0, 0.0, 0.0]
+    assert mean == pytest.approx([2 / 3 * lost for lost in down[::-1]])
+
+
+# The bare exoskeleton
+
+
+def hanging(name: str = "", orientation: str = "palm_down", **parameters):
+    return asked("exoskeleton", name, tip_loads=[0.0, 0.1, 0.3], orientation=orientation, **parameters)
+
+
+@pytest.fixture(scope="module")
+def hung():
+    return simulate(hanging())
+
+
+@pytest.mark.parametrize(("name", "parameters"), [
+    ("print_porosity", {"porosity": 0.2}), ("rest_curl", {"angle": 15.0}),
+    ("base_compliance", {"compliance": 0.2})])
+def test_what_bends_the_bare_finger_further(hung, name, parameters):
+    drops = curve("tip_drop", hanging(name, **parameters))
+    assert all(more > state.tip_drop + 0.3 for more, state in zip(drops, hung.states, strict=True))
+
+
+def test_a_root_turns_by_compliance_times_moment_and_takes_the_whole_finger_along():
+    """Weightless, a weight at the tip: the moment is its force times its lever; seen from the root nothing
+    but the direction of the force has changed."""
+    soft = replace(case("exoskeleton", tip_loads=[0.2], orientation="weightless"), base_compliance=0.01)
+    system = System(soft)
+    solver = Solver(system)
+    point, there = solver.advance(solver.begin(), Load(0.0, 0.0, 0.2))
+    assert there and isinstance(system.base, Base)
+    turn = system.base.angle(point.q)
+    tip = np.array([[soft.finger.length, 0.0, 0.0]])
+    at = system.bones.carried(len(system.bones.start) - 1, tip, system.bone_states(point.q))
+    lever = system.base.carried(at, point.q)[0, 0]
+    assert turn == pytest.approx(0.01 * 0.2 * lever, rel=1e-4) and turn > 0.1
+
+    force = 9806.65 * np.array([np.sin(turn), 0.0, -np.cos(turn)])
+    massless = replace(soft.tpu, density=1e-20)
+    stiff = System(replace(soft, base_compliance=0.0, gravity=tuple(force), tpu=massless))
+    other = Solver(stiff)
+    same, there = other.advance(other.begin(), Load(1.0, 0.0, 0.2))
+    assert there
+    assert point.q[:-1] == pytest.approx(same.q, abs=2e-3)
+
+
+def test_a_slot_that_closes_stops_the_finger_and_nothing_else(hung):
+    free, open_still, closed = (simulate(hanging("self_contact", left=left)) for left in (0.0, 0.3, 0.9))
+    drops = [[state.tip_drop for state in found.states] for found in (hung, free, open_still, closed)]
+    assert drops[0] == drops[1]
+    assert drops[2] == pytest.approx(drops[0], abs=1e-3)
+    assert drops[3][-1] < drops[0][-1] - 1.0
+
+
+# The finger: slow, so few points
+
+
+def test_friction_leaves_a_loop_and_play_a_lower_finger():
+    up, down, play = (curve("tip_drop", asked("assembly", name, path, pressures=pressures, **parameters))
+                      for name, path, pressures, parameters in (
+        ("", "loading", [10, 30], {}), ("", "unloading", [30, 10], {}),
+        ("bore_clearance", "loading", [10, 30], {"gap": 0.4})))
+    assert down[0] == pytest.approx(up[1], abs=0.05)
+    assert down[1] > up[0] + 0.5
+    assert play[1] < up[1] - 0.5
