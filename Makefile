@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: help hand test test-slow lint format bench validate calibrate pictures clean
+.PHONY: help hand test test-slow lint format bench validate calibrate pictures profiles clean
 .DEFAULT_GOAL := help
 
 help:  ## show this list
@@ -46,6 +46,9 @@ validate: $(READY)  ## bend what the source measured, with every model file; ren
 
 calibrate: $(READY)  ## fit params/models/calibrated.yaml anew (minutes)
 	$(BIN)/python -m handgen.bending.calibration
+
+profiles: $(READY)  ## write slicer_profiles/ anew from params/adult.yaml (needs Cura's definitions)
+	$(BIN)/handgen profiles params/adult.yaml
 
 pictures: hand  ## renew the README's pictures: build, check and bend the shipped hands
 	cp $(foreach p,hand_palm hand_dorsum hand_side actuators tooling_index,outputs/adult/previews/$(p).png) docs/

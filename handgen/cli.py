@@ -147,6 +147,47 @@ def _bend(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED if found.complete else ENGINE
 
 
+# slice
+
+
+def _slice_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("--slicer", dest="slicers", metavar="NAME", nargs="+", action="extend",
+                        help="prusaslicer, cura (both)")
+    parser.add_argument("--part", dest="parts", metavar="NAME", nargs="+", action="extend",
+                        help="only these parts: names or globs (index*, tooling/*)")
+    parser.add_argument("--workers", type=_count, default=None, metavar="N",
+                        help="slicers that run at once (default: one a core)")
+
+
+def _slice(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.slicing.slice import slice_parts
+
+    result = slice_parts(arguments.params, out=arguments.out, slicers=arguments.slicers,
+                         parts=arguments.parts, progress=output.note, workers=arguments.workers)
+    output.result(result["rows"], tables.sliced(result, output.style))
+    if result["failed"]:
+        print(f"handgen: {len(result['rows'])} slices are kept; {'; '.join(result['failed'])}",
+              file=output.people)
+        return ENGINE
+    return PASSED if result["passed"] else FAILED
+
+
+# profiles
+
+
+def _profiles_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+
+
+def _profiles(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.slicing.profile_files import write
+
+    written = write(arguments.params, arguments.out)
+    output.result({"files": written}, "\n".join(written))
+    return PASSED
+
+
 # validate
 
 
@@ -233,6 +274,10 @@ VERBS = {
     "check": Verb("run every design rule and say what will fail", _check_arguments, _check),
     "build": Verb("make the printable, castable parts of a parameter file", _build_arguments, _build),
     "bend": Verb("how a finger moves under pressure, weights, an obstacle", _bend_arguments, _bend),
+    "slice": Verb("print time and filament of every part, from PrusaSlicer and Cura", _slice_arguments,
+                  _slice),
+    "profiles": Verb("write slicer profiles of the print settings (to slicer_profiles/)", _profiles_arguments,
+                     _profiles),
     "validate": Verb("bend what was measured and say how far each model is off", _validate_arguments,
                      _validate),
     "effects": Verb("physical effects that a model file can switch on", _effects_arguments, _effects),

@@ -73,6 +73,27 @@ def bent(document: dict[str, Any], reached: str, folder: str, style: Style) -> s
     return "\n".join([*lines, f"{document['name']} {document['finger']}: {verdict}; {spent}; see {folder}"])
 
 
+def sliced(result: dict[str, Any], style: Style) -> str:
+    """A line a slice: time, filament, layers; below it whatever differs from Table B.1, and warnings."""
+    lines = [f"{'part':<34}{'slicer':<13}{'time':>9}{'filament':>11}{'mass':>9}{'layers':>8}"]
+    for row in result["rows"]:
+        lines.append(f"{row['part']:<34}{row['slicer']:<13}{hours(row['print_time_s']):>9}"
+                     f"{row['filament_mm'] / 1000:>9.2f} m{row['filament_g']:>7.1f} g{row['layers']:>8}")
+        lines += [style(f"    {r['row']}: {r['found']} instead of {r['asked']} {r['unit']}", COLOURS["fail"])
+                  for r in row["table"] if r["equal"] is False]
+        lines += [f"    {row['slicer']}: {warning}" for warning in row["warnings"]]
+    told = sum(row["agrees"] for row in result["rows"])
+    verdict = style(f"{told} of {len(result['rows'])} slices agree with the print settings",
+                    COLOURS["pass" if result["passed"] else "fail"])
+    return "\n".join([*lines, "", f"{result['name']}: {verdict}; see {result['out']}"])
+
+
+def hours(seconds: float) -> str:
+    """Seconds as 2 h 05."""
+    minutes = round(seconds / 60)
+    return f"{minutes // 60} h {minutes % 60:02d}"
+
+
 def validated(document: dict[str, Any], folder: str, style: Style) -> str:
     """Of every test each model's RMS and largest residual; what being stuck or weightless would change; the
     actuator with and without its thread."""

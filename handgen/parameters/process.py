@@ -207,6 +207,22 @@ class PrintProcess(Model):
     heated_bed: float | None = item(
         "bed temperature, degC; null: none", source="Table B.1", default=None, ge=20, le=150
     )
+    walls: int = item(
+        "lines around every outline", default=3, ge=1, le=20,
+        assumed="1.2 mm of 0.35 mm lines, as Cura's definition of the BQ Hephestos 2 has it")
+    solid_thickness: float = quantity(
+        "mm", 0, 10, "solid layers below and above the infill", default=1.2,
+        assumed="as Cura's definition of the BQ Hephestos 2 has it")
+    support_density: float = quantity(
+        "%", 5, 50, "density of the support", default=15.0, assumed="Cura's own")
+    brim_width: float = quantity("mm", 1, 40, "width of the brim", default=8.0, assumed="Cura's own")
+    retraction_length: float = quantity(
+        "mm", 0.1, 12, "filament that is retracted, where it is", default=2.0,
+        assumed="usual for a direct drive, which the BQ Hephestos 2 has")
+    travel_speed: float = quantity(
+        "mm/s", 20, 500, "speed between lines", default=120.0, assumed="Cura's own")
+    minimum_layer_time: float = quantity(
+        "s", 0, 60, "shorter layers are printed more slowly", default=5.0, assumed="Cura's own")
     part_adhesion: dict[str, Literal["none", "brim", "raft", "skirt"]] = item(
         "adhesion of single parts by their role, where it differs", source="Table B.1", default_factory=dict
     )
@@ -222,6 +238,9 @@ class Printing(Model):
     build_volume: Annotated[
         list[Annotated[float, Field(ge=30, le=2000)]], Field(min_length=3, max_length=3)
     ] = item("x, y, z in mm", source="maker's data for the BQ Hephestos 2")
+    filament_diameter: float = quantity(
+        "mm", 1, 3.5, "diameter of the filament", default=1.75,
+        assumed="what the BQ Hephestos 2 takes; all three filaments are sold in it")
     finger: PrintProcess = item("single fingers: first column of Table B.1")
     hand: PrintProcess = item("the hand: second column of Table B.1")
     tooling: PrintProcess = item("moulds, cores, seals: third column of Table B.1")
