@@ -117,7 +117,9 @@ def test_slice_of_a_part_is_kept_until_something_changes(tmp_path, capsys):
     assert again["rows"] == first["rows"] and told[-1] == "unchanged: 2 of 2"
     (tmp_path / one["gcode"]).write_text("spoilt")
     told.clear()
-    assert slice_parts(ADULT, tmp_path, parts=[SMALL], progress=told.append)["rows"] == first["rows"]
+    anew = slice_parts(ADULT, tmp_path, parts=[SMALL], progress=told.append)["rows"]
+    # PrusaSlicer writes the time of day into its files.
+    assert [row | {"sha256": ""} for row in anew] == [row | {"sha256": ""} for row in first["rows"]]
     assert told == ["unchanged: 1 of 2", f"[2/2] {SMALL}, {one['slicer']}"]
     faster = tmp_path / "faster.yaml"
     faster.write_text(f"schema: handgen.hand/1\nextends: {ADULT}\nname: faster\n"
