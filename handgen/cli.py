@@ -229,6 +229,62 @@ def _effects(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED
 
 
+# diagnose
+
+
+def _diagnose_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("measurements", metavar="MEASUREMENTS",
+                        help="measurements file, e.g. params/measurements/coimbra_index.yaml")
+    parser.add_argument("--params", metavar="FILE", help="another hand than the measurements name")
+    parser.add_argument("--model", metavar="FILE", help="what to diagnose: a name of params/models or a file")
+    parser.add_argument("--seed", type=_whole, default=0, metavar="N",
+                        help="of the fingers within tolerance (0)")
+    parser.add_argument("--workers", type=_count, default=2, metavar="N", help="processes to simulate with "
+                                                                               "(2)")
+
+
+def _diagnose(arguments: argparse.Namespace, output: Output) -> int:
+    from pathlib import Path
+
+    from handgen.discrepancy import files, run
+
+    found = run.diagnose(arguments.measurements, params=arguments.params, model=arguments.model,
+                         seed=arguments.seed, workers=arguments.workers, progress=output.note)
+    folder = Path(arguments.out or Path("outputs") / Path(arguments.measurements).stem)
+    document = files.write(found, folder)
+    output.result(document, tables.diagnosed(document, str(folder), output.style))
+    return PASSED if document["verdict"] == "none" else FAILED
+
+
+# measurements
+
+
+def _measurements_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("action", choices=["import"], help="import: a wide CSV table becomes a measurements "
+                                                           "file")
+    parser.add_argument("table", metavar="CSV", help="a row a repeat, a column a load")
+    parser.add_argument("--hand", metavar="FILE", required=True, help="parameter file of the hand that was "
+                                                                      "measured")
+    parser.add_argument("--finger", metavar="NAME", default="index", help="which finger (index)")
+    parser.add_argument("--name", metavar="TEXT", help="of the campaign (the table's name)")
+    parser.add_argument("--source", metavar="TEXT", help="where the numbers come from")
+
+
+def _measurements(arguments: argparse.Namespace, output: Output) -> int:
+    from pathlib import Path
+
+    from handgen.measurements.wide import import_table
+
+    stem = Path(arguments.table).stem
+    target = Path(arguments.out or Path("outputs") / stem) / f"{stem}.yaml"
+    found = import_table(arguments.table, target, hand=arguments.hand, finger=arguments.finger,
+                         name=arguments.name, source=arguments.source).measurements
+    rows = sum(len(test.repeats) for test in found.tests)
+    output.result({"file": str(target), "tests": [test.id for test in found.tests], "repeats": rows},
+                  f"{len(found.tests)} tests, {rows} repeats: {target}")
+    return PASSED
+
+
 # measure
 
 
@@ -281,6 +337,9 @@ VERBS = {
     "validate": Verb("bend what was measured and say how far each model is off", _validate_arguments,
                      _validate),
     "effects": Verb("physical effects that a model file can switch on", _effects_arguments, _effects),
+    "diagnose": Verb("find what a model lacks to explain measurements, and add it", _diagnose_arguments,
+                     _diagnose),
+    "measurements": Verb("measurements files from tables (CSV)", _measurements_arguments, _measurements),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }
@@ -299,6 +358,12 @@ class _Parser(argparse.ArgumentParser):
 def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is no whole number of at least 1")
+    return int(text)
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number")
     return int(text)
 
 

@@ -183,3 +183,28 @@ def _walls(report: dict[str, Any]) -> list[tuple[str, str]]:
               for row in walls["histogram"] if row["area_mm2"] > 0.0]
     shares = ", ".join(f"{p} %: {value:.3g}" for p, value in walls["percentiles_mm"].items())
     return [("least wall", least), ("walls, mm", shares), *spread]
+
+
+VERDICTS = {"none": "nothing is missing that these readings could show", "named": "missing from the model",
+            "pair": "two effects are missing from the model", "ambiguous": "these readings cannot decide "
+                                                                           "between",
+            "outside": "wrong in a way that no effect of the catalogue explains"}
+
+
+def diagnosed(document: dict[str, Any], folder: str, style: Style) -> str:
+    """What is missing and how sure that is, the three gaps, what to measure next, what was noticed."""
+    word = document["verdict"]
+    lines = [style(f"{word}: {VERDICTS[word]}", "32" if word == "none" else "33")]
+    for effect in document["effects"]:
+        lines.append(f"  {100 * effect['probability']:.1f} %  {effect['sentence']}")
+    head = f"{'error at loads left out of the fit':<36}"
+    lines += ["", head + "".join(f"{word:>11}" for word in ("as it was", "re-tuned", "patched"))]
+    for test in document["gap"]["tests"]:
+        gaps = [test["held_out"][state] for state in ("before", "retuned", "patched")]
+        name = test["test"] + (", never fitted" if test["held_out_test"] else "") + f", {test['unit']}"
+        lines.append(f"{name:<36}" + "".join(f"{'-' if g is None else f'{g:.2f}':>11}" for g in gaps))
+    if document["next_test"]:
+        lines += ["", f"measure next: {document['next_test']['words']}"]
+    if document["flags"]:
+        lines += ["", *(f"noticed: {flag}" for flag in document["flags"])]
+    return "\n".join([*lines, "", f"see {folder}/diagnosis.html; the model: {document['model']}"])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from handgen.discrepancy.score import Scores
 
 ALIKE = 2.0
-"""Deviations of all points together: two explanations nearer than this no data of this quality tells apart."""
+"""Deviations, all points together: explanations nearer than this no data of this quality tell apart."""
 
 
 def alike(scores: Scores, first: str, second: str) -> bool:

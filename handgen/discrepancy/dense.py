@@ -33,12 +33,14 @@ def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictio
     lines, weights = [], []
     found = predictions
     for i, (axis, density) in enumerate(zip(axes, densities, strict=True)):
-        line = np.linspace(axis[0], axis[-1], count)
+        line = np.linspace(axis[0], axis[-1], count) if len(axis) > 1 else np.asarray(axis, float)
         found = np.moveaxis(_along(axis, np.moveaxis(found, i, 0), line), 0, i)
-        ends = np.ones(count)
-        ends[[0, -1]] = 0.5
+        ends = np.ones(len(line))
+        if len(line) > 1:
+            ends[[0, -1]] = 0.5
         lines.append(line)
-        weights.append(np.interp(line, axis, density) * ends)
+        table = density if np.ndim(density) == 2 else (axis, density)
+        weights.append(np.interp(line, *table) * ends)
     values = np.stack([grid.ravel() for grid in np.meshgrid(*lines, indexing="ij")], axis=1)
     weight = weights[0]
     for more in weights[1:]:
@@ -51,6 +53,8 @@ def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictio
 
 def _along(axis: np.ndarray, rows: np.ndarray, line: np.ndarray) -> np.ndarray:
     """`rows` (len(axis), ...) at the values of `line`; NaN outside what has a prediction."""
+    if len(axis) == 1:
+        return rows
     from scipy.interpolate import PchipInterpolator
 
     flat = rows.reshape(len(axis), -1)

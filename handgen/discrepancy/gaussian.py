@@ -22,7 +22,8 @@ class Whitener:
 
     def __call__(self, rows: np.ndarray) -> np.ndarray:
         """(..., s) whitened along the last axis."""
-        return solve_triangular(self.lower, rows.reshape(-1, rows.shape[-1]).T, lower=True).T.reshape(rows.shape)
+        flat = rows.reshape(-1, rows.shape[-1])
+        return solve_triangular(self.lower, flat.T, lower=True).T.reshape(rows.shape)
 
     def back(self, rows: np.ndarray) -> np.ndarray:
         """C^-1 applied to whitened rows: L^-T."""

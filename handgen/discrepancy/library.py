@@ -49,7 +49,7 @@ class Response:
     axes: tuple[np.ndarray, ...]
     """Ascending values of each parameter."""
     densities: tuple[np.ndarray, ...]
-    """Prior density of each parameter at its values, up to a factor."""
+    """Prior density of each parameter up to a factor: at its values, or a table (2, q) of value, density."""
     predictions: np.ndarray
     """(len(axis 1), ..., n); NaN where the simulation found no balance."""
 

@@ -1,4 +1,4 @@
-"""Something that no effect of the catalogue explains: a Gaussian process on the residual of each kind of test."""
+"""Something that no effect of the catalogue explains: a Gaussian process on the residual of each kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How probable is every explanation: nothing missing, one effect, two effects, something outside the catalogue.
+"""How probable is every explanation: nothing missing, one effect, two effects, something no effect explains.
 
 Nuisances are Gaussian with physical priors and integrated in closed form; an effect's parameters are summed
 over a grid of simulated responses with their prior; the structural error is the ensemble's covariance, of
@@ -92,13 +92,14 @@ class Grid:
     """(scales, m) with the scales' prior in it."""
 
     @classmethod
-    def of(cls, problem: Problem, whiteners: Sequence[Whitener], name: str) -> Grid:
+    def of(cls, problem: Problem, whiteners: Sequence[Whitener], name: str,
+           shares: Sequence[float] = SCALE_WEIGHTS) -> Grid:
         dense = problem.library.responses[name].dense
         residuals = problem.data - dense.predictions[:, problem.scored]
         white = tuple(whiten(residuals) for whiten in whiteners)
         densities = np.array([
             whiten.log_norm - (w**2).sum(axis=1) / 2 + np.log(share)
-            for whiten, w, share in zip(whiteners, white, SCALE_WEIGHTS, strict=True)])
+            for whiten, w, share in zip(whiteners, white, shares, strict=True)])
         return cls(name, dense.values, dense.predictions, dense.log_weights, white, densities)
 
 

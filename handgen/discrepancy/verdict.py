@@ -1,4 +1,4 @@
-"""Probabilities -> what is said: none, named, pair, ambiguous, outside. It names only what it could defend."""
+"""Probabilities -> what is said: none, named, pair, ambiguous, outside. It names what it could defend."""
 
 from __future__ import annotations
 

@@ -107,9 +107,10 @@ def density(found: ParameterSet) -> float:
 def _unrelated(found: Library, file: str) -> Iterable[Problem]:
     """Names that nothing answers to."""
     for name, one in found.sets.items():
-        for key, names in (("material", found.materials), ("source", found.sources)):
+        for key, names in (("material", found.materials), ("source", found.sources),
+                           ("tuned_from", found.sets)):
             word = getattr(one, key)
-            if word not in names:
+            if word is not None and word not in names:
                 yield Problem(
                     file, f"sets.{name}.{key}", word, f"names no {key}", suggestion=_nearest(word, names)
                 )

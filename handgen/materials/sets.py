@@ -87,6 +87,7 @@ class ParameterSet(Model):
     density: float | None = quantity(
         "kg/m3", 500, 3000, "density this set was used with, where not the material's", default=None
     )
+    tuned_from: str | None = item("set of the library whose constants a tuning started from", default=None)
     strain: Numbers = item("nominal strains [from, to] that the constants were fitted on; 1 is 100 %")
     source: str = item("key of `sources`")
     printed: Annotated[tuple[Printed, ...], Strict(False)] = item("as the tables print it", default=())

@@ -1,0 +1,269 @@
+"""A diagnosis as the contract's `handgen.diagnosis/1`."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from handgen import __version__
+from handgen.discrepancy.candidates import words
+from handgen.discrepancy.gap import STATES, gaps, pooled, unit_of
+from handgen.discrepancy.run import Diagnosis
+from handgen.effects import catalogue
+
+SCHEMA = "handgen.diagnosis/1"
+DECIMALS = 4
+
+
+def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
+    """JSON data; residuals are simulated less measured, in the unit of each test."""
+    problem = found.scores.problem
+    before = problem.library.baseline
+    unit = unit_of(problem)
+    retuned, patched = found.retuned, found.patched
+    return {
+        "schema": SCHEMA,
+        "name": found.measured.measurements.name,
+        "hand": found.measured.hand.hand.name,
+        "finger": found.measured.measurements.finger,
+        "diagnosed_model": found.model.name,
+        "verdict": found.verdict.word,
+        "probability": _number(found.verdict.probability),
+        "effects": [_effect(found, name) for name in found.verdict.effects],
+        "candidates": [
+            {
+                "id": h.id,
+                "probability": h.probability,
+                "log_evidence": _number(h.log_evidence),
+                "chance_of_misfit": _number(h.p_value),
+            }
+            for h in found.scores.hypotheses
+        ],
+        "where": _where(found),
+        "located": [_located(one) for one in found.located],
+        "gap": {
+            "unit": unit,
+            "rms": _states(
+                pooled(
+                    problem,
+                    {"before": before, "retuned": retuned.predicted, "patched": patched.predicted},
+                    unit,
+                )
+            ),
+            "held_out": _states(
+                pooled(
+                    problem,
+                    {"before": before, "retuned": retuned.left_out, "patched": patched.left_out},
+                    unit,
+                )
+            ),
+            "tests": [_test_gap(one) for one in gaps(problem, before, retuned, patched)] + _held_out(found),
+        },
+        "next_test": _next(found),
+        "model": model_file,
+        "patch": list(found.patched.effects()),
+        "retuned": _nuisances(found, retuned),
+        "patched": _nuisances(found, patched),
+        "checks": [asdict(one) for one in found.findings],
+        "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found)],
+        "curves": _curves(found),
+        "bends_solved": found.solved,
+        "handgen_version": __version__,
+    }
+
+
+def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
+    effect = catalogue()[name]
+    fitted = found.patched.effects().get(name)
+    estimates = next((h.parameters[name] for h in found.scores.hypotheses if name in h.ids), ())
+    if found.verdict.best.ids and name in found.verdict.best.ids:
+        estimates = found.verdict.best.parameters[name]
+    parameters = []
+    for estimate in estimates:
+        value, low, high = estimate.value, estimate.low, estimate.high
+        if fitted and estimate.name in fitted:
+            sigma = found.patched.sigma(name, estimate.name)
+            about = next(p for p in effect.parameters if p.name == estimate.name)
+            value = fitted[estimate.name]
+            low, high = max(value - 1.96 * sigma, about.low), min(value + 1.96 * sigma, about.high)
+        unit = next(p.unit for p in effect.parameters if p.name == estimate.name)
+        parameters.append(
+            {
+                "name": estimate.name,
+                "unit": unit,
+                "value": _number(value),
+                "low": _number(low),
+                "high": _number(high),
+            }
+        )
+    said = effect.said({p["name"]: p["value"] for p in parameters})
+    return {
+        "id": name,
+        "name": effect.name,
+        "sentence": said,
+        "probability": found.scores.present(name),
+        "parameters": parameters,
+        "signature": effect.signature,
+        "settle": effect.settle,
+        "source": effect.source,
+    }
+
+
+def _where(found: Diagnosis) -> list[dict[str, Any]]:
+    """Every point that is off by more than three deviations of its mean, the largest first."""
+    units = {one.test: one.unit for one in found.located}
+    points = [point for one in found.located for point in one.points if abs(point.sigmas) >= 3.0]
+    return [
+        {
+            "test": p.test,
+            "load": p.load,
+            "residual": _number(p.residual),
+            "unit": units[p.test],
+            "sigmas": _number(p.sigmas),
+        }
+        for p in sorted(points, key=lambda p: -abs(p.sigmas))
+    ]
+
+
+def _located(one) -> dict[str, Any]:
+    return {
+        "test": one.test,
+        "unit": one.unit,
+        "beyond_repeats": one.beyond,
+        "misfit": _number(one.misfit),
+        "chance": _number(one.chance),
+        "words": one.words,
+        "points": [
+            {"load": p.load, "residual": _number(p.residual), "sigmas": _number(p.sigmas)} for p in one.points
+        ],
+        **{name: {"size": _number(size), "sigmas": _number(sigmas)} for name, size, sigmas in one.shapes},
+        "last_point": None
+        if one.last is None
+        else {"size": _number(one.last[0]), "sigmas": _number(one.last[1])},
+        "drift": None
+        if one.drift is None
+        else {"per_repeat": _number(one.drift[0]), "sigmas": _number(one.drift[1])},
+        "outlying": [
+            {"repeat": repeat, "load": load, "sigmas": _number(sigmas)}
+            for repeat, load, sigmas in one.outlying
+        ],
+    }
+
+
+def _test_gap(one) -> dict[str, Any]:
+    return {
+        "test": one.test,
+        "unit": one.unit,
+        "rms": _states(one.fitted),
+        "held_out": _states(one.held_out),
+        "held_out_test": False,
+    }
+
+
+def _held_out(found: Diagnosis) -> list[dict[str, Any]]:
+    """Gaps of tests that nothing was fitted on."""
+    rows = []
+    for test in found.held_out:
+        from handgen.measurements.statistics import means
+
+        mean = np.array([np.nan if m is None else m for m in means(test)])
+        values = {state: _rms(found.predictions[state][test.id] - mean) for state in STATES}
+        rows.append(
+            {
+                "test": test.id,
+                "unit": test.observable.unit,
+                "rms": dict.fromkeys(STATES),
+                "held_out": _states(values),
+                "held_out_test": True,
+            }
+        )
+    return rows
+
+
+def _rms(residual: np.ndarray) -> float | None:
+    residual = residual[np.isfinite(residual)]
+    return float(np.sqrt((residual**2).mean())) if len(residual) else None
+
+
+def _next(found: Diagnosis) -> dict[str, Any] | None:
+    if found.next_test is None:
+        return None
+    test, proposal = found.next_test
+    return {
+        "part": test.part,
+        "orientation": test.orientation,
+        "path": test.path,
+        "load": test.load.model_dump(),
+        "observable": test.observable.model_dump(),
+        "separates": list(proposal.separates),
+        "gain": _number(proposal.gain),
+        "words": words(test),
+    }
+
+
+def _nuisances(found: Diagnosis, fitted) -> dict[str, float]:
+    """Values of what every model leaves open; stiffnesses as factors."""
+    return {
+        name: _number(float(np.exp(value)) if name.startswith("stiffness") else value)
+        for name, value in fitted.nuisances().items()
+    }
+
+
+def _vetoed(found: Diagnosis) -> list[str]:
+    if not found.verdict.vetoed:
+        return []
+    best = found.scores.hypotheses[0]
+    return [
+        f"vetoed: {best.id} is the most probable explanation, but does not fit: chance of so large a "
+        f"misfit "
+        f"{best.p_value:.1g}"
+    ]
+
+
+def _curves(found: Diagnosis) -> list[dict[str, Any]]:
+    """Readings and the three predictions, load by load."""
+    problem = found.scores.problem
+    rows = []
+    for i, test in enumerate(found.tests):
+        at = np.flatnonzero(problem.library.owner == i)
+        summary = found.located[i]
+        sigma = {p.load: abs(p.residual / p.sigmas) if p.sigmas else None for p in summary.points}
+        rows.append(
+            {
+                "test": test.id,
+                "title": test.title or test.id,
+                "loads": test.load.values,
+                "load_unit": test.load.unit,
+                "load": test.load.quantity,
+                "quantity": test.observable.quantity,
+                "unit": test.observable.unit,
+                "fitted": list(test.fitted),
+                "repeats": test.repeats,
+                "sigma": [_number(sigma.get(load)) for load in test.load.values],
+                "before": _numbers(problem.library.baseline[at]),
+                "retuned": _numbers(found.retuned.predicted[at]),
+                "patched": _numbers(found.patched.predicted[at]),
+                "held_out": {
+                    "retuned": _numbers(found.retuned.left_out[at]),
+                    "patched": _numbers(found.patched.left_out[at]),
+                },
+            }
+        )
+    return rows
+
+
+def _states(values: dict[str, float | None]) -> dict[str, float | None]:
+    return {state: _number(values[state]) for state in STATES}
+
+
+def _numbers(values: np.ndarray) -> list[float | None]:
+    return [_number(float(value)) for value in values]
+
+
+def _number(value: float | None) -> float | None:
+    """Short, and null where it is none."""
+    if value is None or not np.isfinite(value):
+        return None
+    return float(f"{value:.6g}")

@@ -1,0 +1,190 @@
+"""The whole diagnosis: check, locate, score, name, patch, show the gap, ask for the next test."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from handgen.bending.model import BendModel, default_name, load_model
+from handgen.discrepancy import nuisance, simulated
+from handgen.discrepancy.ask import Proposal, next_test
+from handgen.discrepancy.candidates import SIGMAS, candidates
+from handgen.discrepancy.direct import Finding, findings
+from handgen.discrepancy.library import Library
+from handgen.discrepancy.locate import Located, locate
+from handgen.discrepancy.problem import Problem
+from handgen.discrepancy.readings import chosen, observed_of
+from handgen.discrepancy.refit import Fitted, Refit
+from handgen.discrepancy.score import NONE, Scores, score_problem
+from handgen.discrepancy.simulated import Simulation
+from handgen.discrepancy.verdict import Verdict, verdict
+from handgen.discrepancy.worker import Bends
+from handgen.errors import InputError
+from handgen.errors import Problem as Wrong
+from handgen.measurements.load import Measured, load_measurements
+from handgen.measurements.model import Test
+from handgen.parameters.load import load
+
+WORKERS = 2
+DRIFT = 3.0
+"""Deviations from which a drift is spoken of."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that was found."""
+
+    measured: Measured
+    model: BendModel
+    tests: tuple[Test, ...]
+    """Those that were scored."""
+    held_out: tuple[Test, ...]
+    """Those that were only predicted."""
+    findings: tuple[Finding, ...]
+    located: tuple[Located, ...]
+    scores: Scores
+    verdict: Verdict
+    retuned: Fitted
+    patched: Fitted
+    predictions: dict[str, dict[str, np.ndarray]]
+    """before, retuned, patched -> held-out test -> what it would read."""
+    next_test: tuple[Test, Proposal] | None
+    materials: dict[str, str]
+    """Body -> material."""
+    solved: int
+    """Bends that were not in the cache."""
+    flags: tuple[str, ...] = field(default=())
+
+
+def diagnose(
+    measurements: str | os.PathLike,
+    *,
+    params: str | os.PathLike | None = None,
+    model: str | os.PathLike | None = None,
+    seed: int = 0,
+    workers: int = WORKERS,
+    progress: Callable[[str], None] = lambda line: None,
+) -> Diagnosis:
+    """Hold `model` (a name of params/models, or a file) against a measurements file.
+
+    `params`: another hand than the file names. `seed`: of the ensemble within tolerance.
+
+    Raises:
+        InputError: everything wrong with measurements, hand and model.
+        EngineError: a solver cannot be loaded, or the model finds no balance at all.
+    """
+    measured = load_measurements(measurements)
+    if params is not None:
+        measured = replace(measured, hand=load(params))
+    subject = load_model(model if model is not None else default_name())[0]
+    tests, held_out, remarks = chosen(measured.measurements.tests)
+    if not tests:
+        raise InputError(
+            [
+                Wrong(
+                    str(measured.file),
+                    "tests",
+                    None,
+                    "all are held out: nothing can be diagnosed",
+                    "a test with `held_out: false`",
+                )
+            ]
+        )
+    bends = Bends(workers, progress)
+    simulation = Simulation(measured, tests, subject, bends, seed)
+    library = simulated.library(simulation)
+    observed = observed_of(tests)
+    problem = Problem.of(library, observed)
+    progress("scoring")
+    scores = score_problem(problem)
+    said = verdict(scores)
+    progress(f"verdict: {said.word} {', '.join(said.effects)}")
+    left_open = nuisance.nuisances(list(tests))
+    retuned = Refit(simulation, problem, left_open, (), "re-tuned only").run(scores[NONE])
+    patched = retuned
+    if said.best.ids and said.word in ("named", "pair", "ambiguous"):
+        patched = Refit(simulation, problem, left_open, said.best.ids, "patched").run(said.best)
+    asked = None
+    if said.word == "ambiguous":
+        asked = _next(simulation, said, observed)
+    located = tuple(locate(library, observed))
+    return Diagnosis(
+        measured,
+        subject,
+        tests,
+        held_out,
+        tuple(findings(subject, measured.hand.hand, measured.measurements)),
+        located,
+        scores,
+        said,
+        retuned,
+        patched,
+        _held_out(simulation, held_out, left_open, retuned, patched),
+        asked,
+        _materials(measured),
+        bends.solved,
+        (*remarks, *_flags(library, located)),
+    )
+
+
+def _next(simulation: Simulation, said: Verdict, observed) -> tuple[Test, Proposal] | None:
+    """The test that best separates what is left."""
+    asked = candidates(simulation.measured.measurements.tests)
+    if not asked:
+        return None
+    simulation.bends.progress("which test next")
+    wider = replace(simulation, tests=(*simulation.tests, *asked))
+    library = simulated.library(wider, only=said.effects, members=simulated.FEW)
+    scores = score_problem(Problem.of(library, observed))
+    proposal = next_test(scores, [test.id for test in asked], SIGMAS)
+    return None if proposal is None else (next(t for t in asked if t.id == proposal.test), proposal)
+
+
+def _held_out(
+    simulation: Simulation,
+    tests: Sequence[Test],
+    left_open: Sequence[nuisance.Nuisance],
+    retuned: Fitted,
+    patched: Fitted,
+) -> dict[str, dict[str, np.ndarray]]:
+    """What each model says about tests that nothing was fitted on."""
+    if not tests:
+        return {}
+    other = replace(simulation, tests=tuple(tests))
+    rows = [other.row()]
+    for fitted in (retuned, patched):
+        rows.append(
+            other.row(other.with_effects(fitted.effects()), simulated.shifted(left_open, fitted.nuisances()))
+        )
+    predictions = other.predict(rows, "held-out tests")
+    ends = np.cumsum([len(test.load.values) for test in tests])[:-1]
+    return {
+        state: dict(zip([test.id for test in tests], np.split(row, ends), strict=True))
+        for state, row in zip(("before", "retuned", "patched"), predictions, strict=True)
+    }
+
+
+def _materials(measured: Measured) -> dict[str, str]:
+    hand = measured.hand.hand
+    printed = hand.printing.hand if hand.palm else hand.printing.finger
+    return {"exoskeleton": printed.material, "actuator": hand.casting.silicone.name}
+
+
+def _flags(library: Library, located: Sequence[Located]) -> Iterator[str]:
+    """What a user must know of the readings and of what could not be simulated."""
+    for one in located:
+        for repeat, at, sigmas in one.outlying:
+            where = "as a whole" if at is None else f"at {at:g}"
+            yield (f"outlying repeat: {one.test}, repeat {repeat} {where}, {sigmas:+.1f} deviations off the "
+                   "others; kept, with little weight")
+        if one.drift is not None and abs(one.drift[1]) >= DRIFT:
+            yield f"drift: {one.test} moves by {one.drift[0]:+.2g} {one.unit} from repeat to repeat"
+    for test in library.tests:
+        values = library.baseline[library.points(test.id)]
+        lost = ", ".join(f"{at:g}" for at, value in zip(test.loads, values, strict=True)
+                         if not np.isfinite(value))
+        if lost:
+            yield f"not simulated: {test.id} at {lost}: the model finds no balance there"

@@ -1,0 +1,211 @@
+"""The library of a model, from the full simulation: baseline, nuisances, every effect, an ensemble.
+
+Every bend goes through the cache by the content of its case: what an effect does not touch is not solved
+again, neither in this diagnosis nor in the next.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from handgen.bending.comparison import asked, observed
+from handgen.bending.model import BendModel
+from handgen.bending.model import Effect as Switch
+from handgen.bending.request import Request
+from handgen.discrepancy import design, nuisance, tolerance
+from handgen.discrepancy.library import Library, Response, Series
+from handgen.discrepancy.worker import Bends
+from handgen.effects import catalogue
+from handgen.errors import EngineError, InputError
+from handgen.measurements.load import Measured
+from handgen.measurements.model import Test
+from handgen.simulation.case import Case, Curve
+
+MESH = 0.012
+"""Deviation of a coarse mesh, as a share of a test's largest prediction: `--refine 1` moves the adult index
+finger by 0.6 mm and the free actuator by 1.3 %. Smooth over the load."""
+SMOOTH = 0.5
+"""Loads over which it changes, as a share of the largest."""
+SHRINK = 0.1
+"""Share of the ensemble's correlations that is not believed: it has few members."""
+FEW = 8
+"""Fingers within tolerance, where a test is only to be chosen."""
+SEEN = 1e-6
+"""Shares of a reading below which an effect does nothing."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One prediction of all tests: a request a test, or why there is none."""
+
+    requests: tuple[Request | None, ...]
+
+
+@dataclass
+class Simulation:
+    """All about one model and the tests that it is held against."""
+
+    measured: Measured
+    tests: Sequence[Test]
+    model: BendModel
+    bends: Bends
+    seed: int = 0
+    """Of the ensemble within tolerance."""
+
+    def row(self, model: BendModel | None = None, change=lambda case: case) -> Row:
+        """Requests for every test by `model`, with each case changed; None where a hand forbids it."""
+        found = []
+        for test in self.tests:
+            try:
+                one = asked(self.measured, test, model or self.model)
+                found.append(replace(one, case=change(one.case)))
+            except (InputError, ValueError):
+                found.append(None)
+        return Row(tuple(found))
+
+    def predict(self, rows: Sequence[Row], what: str) -> np.ndarray:
+        """(rows, n), NaN where there is no balance."""
+        wanted = [request for row in rows for request in row.requests if request is not None]
+        curves = iter(self.bends.curves(wanted, what))
+        lines = []
+        for row in rows:
+            line: list[float] = []
+            for test, request in zip(self.tests, row.requests, strict=True):
+                line += read(test, next(curves) if request is not None else None)
+            lines.append(line)
+        return np.array(lines, float)
+
+    def with_effects(self, effects: dict[str, dict[str, float]], model: BendModel | None = None) -> BendModel:
+        """The model with these effects on beside its own."""
+        base = model or self.model
+        more = [Switch(id=name, parameters=values) for name, values in effects.items()]
+        return base.model_copy(update={"effects": [*base.effects, *more]})
+
+
+def read(test: Test, curve: Curve | None) -> list[float]:
+    """What `test` reads off `curve` at each of its loads; NaN where there is nothing."""
+    if curve is None:
+        return [np.nan] * len(test.load.values)
+    return [np.nan if value is None else value for value in observed(test, curve)]
+
+
+def series(test: Test) -> Series:
+    return Series(test.id, test.part, test.observable.quantity, tuple(test.load.values), test.observable.unit,
+                  test.load.quantity, test.orientation, test.path, test.obstacle)
+
+
+def library(simulation: Simulation, only: Sequence[str] | None = None,
+            members: int = tolerance.MEMBERS) -> Library:
+    """Everything that the scoring needs; of `only` some effects, with so many fingers within tolerance.
+
+    Raises:
+        InputError: hand and model do not fit together.
+        EngineError: the model finds no balance at any load of any test.
+    """
+    for test in simulation.tests:
+        asked(simulation.measured, test, simulation.model)
+    baseline = simulation.predict([simulation.row()], "the model as it is")[0]
+    if not np.isfinite(baseline).any():
+        raise EngineError(f"the model {simulation.model.name} finds no balance at any load of any test")
+    left_open = nuisance.nuisances(list(simulation.tests))
+    return Library(
+        tuple(series(test) for test in simulation.tests), baseline,
+        tuple(one.name for one in left_open), np.diag([one.sigma**2 for one in left_open]),
+        jacobian(simulation, baseline, left_open),
+        responses(simulation, baseline, only), structural(simulation, baseline, members))
+
+
+def jacobian(simulation: Simulation, baseline: np.ndarray,
+             left_open: Sequence[nuisance.Nuisance], model: BendModel | None = None,
+             at: dict[str, float] | None = None) -> np.ndarray:
+    """(n, k), by central differences; `at`: values of the nuisances that it is taken at."""
+    owner = np.repeat(np.arange(len(simulation.tests)), [len(t.load.values) for t in simulation.tests])
+    moved = [one for one in left_open if one.kind != "zero"]
+    rows = [simulation.row(model, shifted(left_open, {**(at or {}), one.name: (at or {}).get(one.name, 0.0)
+                                                      + sign * nuisance.STEP * one.sigma}))
+            for one in moved for sign in (1, -1)]
+    predictions = iter(simulation.predict(rows, "stiffness and gauge"))
+    columns = []
+    for one in left_open:
+        mine = np.array([one.moves(test) for test in simulation.tests])[owner]
+        if one.kind == "zero":
+            columns.append(mine.astype(float))
+            continue
+        up, down = next(predictions), next(predictions)
+        columns.append(np.where(mine, _slope(up, down, baseline, nuisance.STEP * one.sigma), 0.0))
+    return np.stack(columns, axis=1)
+
+
+def _slope(up: np.ndarray, down: np.ndarray, middle: np.ndarray, step: float) -> np.ndarray:
+    """One-sided where the other side has no balance."""
+    both = (up - down) / (2 * step)
+    one = np.where(np.isfinite(up), (up - middle) / step, (middle - down) / step)
+    return np.where(np.isfinite(both), both, one)
+
+
+def shifted(left_open: Sequence[nuisance.Nuisance], values: dict[str, float]):
+    """Case -> the case with nuisances at `values`."""
+    def change(case: Case) -> Case:
+        for one in left_open:
+            case = one.applied(case, values.get(one.name, 0.0))
+        return case
+    return change
+
+
+def responses(simulation: Simulation, baseline: np.ndarray,
+              only: Sequence[str] | None = None) -> dict[str, Response]:
+    """Of every effect that does anything to these tests, and is not on already."""
+    there = {one.id for one in simulation.model.effects}
+    known = {name: effect for name, effect in catalogue().items()
+             if name not in there and (only is None or name in only)}
+    plans = {name: design.axes(effect) for name, effect in known.items()}
+    nodes = [(name, dict(zip([p.name for p in known[name].parameters], map(float, values), strict=True)))
+             for name, axes in plans.items() for values in itertools.product(*axes)]
+    rows = [simulation.row(simulation.with_effects({name: values})) for name, values in nodes]
+    predictions = simulation.predict(rows, f"{len(plans)} effects")
+    found, at = {}, 0
+    for name, axes in plans.items():
+        shape = tuple(len(axis) for axis in axes)
+        count = int(np.prod(shape))
+        mine = predictions[at:at + count].reshape(*shape, -1)
+        at += count
+        moved = np.abs(mine - baseline) > SEEN * np.nanmax(np.abs(baseline))
+        if moved.any():
+            found[name] = Response(name, tuple(p.name for p in known[name].parameters), axes,
+                                   design.densities(known[name], axes), mine)
+    return found
+
+
+def structural(simulation: Simulation, baseline: np.ndarray, members: int) -> np.ndarray:
+    """(n, n): the ensemble within tolerance, and the mesh."""
+    def changes() -> Iterator[Row]:
+        for by in tolerance.members(members, simulation.seed):
+            yield simulation.row(change=lambda case, by=by: tolerance.deviating(case, by))
+
+    ensemble = simulation.predict(list(changes()), "fingers within tolerance")
+    spread = np.where(np.isfinite(ensemble), ensemble - baseline, 0.0)
+    there = np.maximum(np.isfinite(ensemble).sum(axis=0), 1)
+    spread -= spread.sum(axis=0) / there
+    spread = np.where(np.isfinite(ensemble), spread, 0.0)
+    covariance = spread.T @ spread / max(len(ensemble) - 1, 1)
+    diagonal = np.diag(np.diag(covariance))
+    return (1 - SHRINK) * covariance + SHRINK * diagonal + mesh(simulation.tests, baseline)
+
+
+def mesh(tests: Sequence[Test], baseline: np.ndarray) -> np.ndarray:
+    """Covariance of a coarse mesh: smooth over the load of each test."""
+    found = np.zeros((len(baseline), len(baseline)))
+    start = 0
+    for test in tests:
+        count = len(test.load.values)
+        mine = slice(start, start + count)
+        size = np.nanmax(np.abs(baseline[mine])) if np.isfinite(baseline[mine]).any() else 0.0
+        loads = np.asarray(test.load.values) / (max(test.load.values) or 1.0)
+        apart = (loads[:, None] - loads[None, :]) / SMOOTH
+        found[mine, mine] = (MESH * size)**2 * (0.95 * np.exp(-apart**2 / 2) + 0.05 * np.eye(count))
+        start += count
+    return found

@@ -1,0 +1,256 @@
+"""Scoring, verdict, location and the next test, on arrays: against integrals done otherwise, and as
+properties."""
+
+import numpy as np
+import pytest
+
+from handgen.discrepancy import ask, gaussian, outside
+from handgen.discrepancy.library import Library
+from handgen.discrepancy.locate import compared, locate
+from handgen.discrepancy.observed import Observed, Readings
+from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
+from handgen.discrepancy.score import score, score_problem
+from handgen.discrepancy.verdict import verdict
+from tests.small_library import MORE, TESTS, library, readings, truth
+
+
+def test_evidence_is_the_integral_over_everything_that_is_open():
+    """Sums over 60000 draws of all nuisances, structural errors and sizes; the closed form must lie within 3
+    sigma."""
+    lib = library()
+    seen = readings(lib, truth(lib, sag=0.4))
+    problem = Problem.of(lib, seen)
+    found = score_problem(problem, pairs=False)
+    rng = np.random.default_rng(1)
+    scales = rng.choice(SCALES, 60000, p=SCALE_WEIGHTS)
+    nuisances = rng.standard_normal((60000, 3)) * np.sqrt(np.diag(lib.prior))
+    response = lib.responses["sag"]
+    sizes = rng.choice(
+        np.linspace(0, 2, 2001),
+        60000,
+        p=_share(np.interp(np.linspace(0, 2, 2001), response.axes[0], response.densities[0])),
+    )
+    move = response.predictions[-1] - response.predictions[0]
+    for name, centre in (("none", 0.0), ("sag", sizes[:, None] / 2 * move)):
+        logs = []
+        for scale in SCALES:
+            chosen = scales == scale
+            mean = (
+                lib.baseline + (centre[chosen] if name == "sag" else 0.0) + nuisances[chosen] @ lib.jacobian.T
+            )
+            whiten = gaussian.Whitener.of(problem.reading + scale**2 * lib.structural)
+            logs.append(whiten.log_density(problem.data - mean))
+        logs = np.concatenate(logs)
+        terms = np.exp(logs - logs.max())
+        sampled = logs.max() + np.log(terms.mean())
+        error = terms.std() / terms.mean() / np.sqrt(len(terms))
+        assert found[name].log_evidence == pytest.approx(sampled, abs=max(3 * error, 0.02))
+        assert error < 0.5
+
+
+def _share(weights):
+    return weights / weights.sum()
+
+
+def test_probabilities_add_up_and_order_the_hypotheses():
+    lib = library()
+    found = score(lib, readings(lib, truth(lib, curl=1.0)))
+    shares = [h.probability for h in found.hypotheses]
+    assert sum(shares) == pytest.approx(1.0)
+    assert shares == sorted(shares, reverse=True)
+    assert {"none", "outside", "sag", "sag+curl"} <= set(found.probabilities)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_nothing_hidden_is_called_nothing(seed):
+    lib = library()
+    assert verdict(score(lib, readings(lib, lib.baseline, seed))).word == "none"
+
+
+@pytest.mark.parametrize("effect", ["sag", "curl", "soft"])
+def test_a_clear_effect_is_named_with_its_size(effect):
+    lib = library()
+    found = score(lib, readings(lib, truth(lib, **{effect: 1.2})))
+    said = verdict(found)
+    assert (said.word, said.effects) == ("named", (effect,))
+    (size,) = found[effect].parameters[effect]
+    assert size.low <= 1.2 <= size.high
+    assert size.value == pytest.approx(1.2, abs=0.3)
+
+
+def test_what_the_gauge_may_be_off_by_is_no_effect():
+    lib = library()
+    assert verdict(score(lib, readings(lib, lib.baseline + 3.0 * lib.jacobian[:, 2]))).word == "none"
+
+
+def test_two_effects_are_a_pair():
+    lib = library()
+    said = verdict(score(lib, readings(lib, truth(lib, curl=1.0, soft=1.0))))
+    assert (said.word, set(said.effects)) == ("pair", {"curl", "soft"})
+
+
+def test_something_else_is_outside_and_never_named():
+    lib = library()
+    odd = np.where(lib.owner == 1, 3.0 * np.cos(lib.loads / 5), 0.0)
+    assert verdict(score(lib, readings(lib, lib.baseline + odd))).word == "outside"
+
+
+def test_a_struck_off_effect_is_not_replaced_by_a_wrong_one():
+    lib = library().without("sag", "curl", "slide", "glide")
+    said = verdict(score(lib, readings(lib, truth(library(), sag=1.0))))
+    assert said.word in ("outside", "ambiguous")
+
+
+def test_what_does_not_fit_is_vetoed():
+    """The only explanation offered is far better than none and still wrong."""
+    lib = library().without("sag", "curl", "slide", "glide")
+    found = score(lib, readings(lib, truth(lib, soft=1.0) + np.where(lib.loads == 0.3, 9.0, 0.0)))
+    best = max((h for h in found.hypotheses if h.id != "outside"), key=lambda h: h.probability)
+    assert best.p_value < 1e-3
+    assert verdict(found).word in ("outside", "ambiguous")
+
+
+def test_twins_are_told_as_a_class_and_the_test_that_parts_them_is_asked_for():
+    wide = library((*TESTS, *MORE))
+    seen = readings(wide, truth(wide, glide=1.0))
+    found = score(wide, seen)
+    said = verdict(found)
+    assert said.word == "ambiguous" and set(said.effects) == {"slide", "glide"}
+    assert set(said.alike) == {"slide", "glide"}
+    asked = ask.next_test(found, ["angle", "up"], {"tip_drop": 0.5, "bend_angle": 1.0})
+    assert asked.test == "angle" and set(asked.separates) >= {"slide", "glide"}
+    rng = np.random.default_rng(3)
+    done = Readings("angle", truth(wide, glide=1.0)[wide.points("angle")] + rng.standard_normal((3, 3)), 0.5)
+    settled = verdict(score(wide, Observed((*seen.tests, done))))
+    assert (settled.word, settled.effects) == ("named", ("glide",))
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_repeat_that_is_off_is_flagged_weighs_little_and_changes_no_name(whole):
+    lib = library()
+    seen = readings(lib, truth(lib, sag=1.0))
+    rows = seen.tests[2].repeats.copy()
+    rows[1] += 8 * 0.5 * (1.0 if whole else np.eye(6)[3])
+    spoilt = Readings("finger", rows, 0.5)
+    (place,) = spoilt.summary.outlying
+    assert place[0] == 1 and place[1] == (None if whole else 3)
+    moved = np.abs(spoilt.summary.means - seen.tests[2].summary.means).max()
+    assert 0 < moved < 8 * 0.5 / 3 / 2
+    said = verdict(score(lib, Observed((*seen.tests[:2], spoilt))))
+    assert said.effects == ("sag",)
+
+
+def test_good_repeats_are_rarely_flagged():
+    lib = library()
+    flagged = sum(bool(t.summary.outlying) for s in range(200) for t in readings(lib, lib.baseline, s).tests)
+    assert flagged <= 12
+
+
+def test_one_repeat_missing_readings_and_five_points_are_enough():
+    lib = library()
+    one = readings(lib, truth(lib, sag=1.2), repeats=1)
+    assert verdict(score(lib, one)).effects == ("sag",)
+    rows = [t.repeats.copy() for t in readings(lib, truth(lib, sag=1.2)).tests]
+    rows[2][0, 2:4], rows[2][:, 5], rows[0][1] = np.nan, np.nan, np.nan
+    gappy = Observed(tuple(Readings(t.id, r, 0.5) for t, r in zip(TESTS, rows, strict=True)))
+    assert verdict(score(lib, gappy)).effects == ("sag",)
+    assert Problem.of(lib, gappy).points.size == lib.size - 1
+    only = readings(lib, truth(lib, sag=1.2)).only(["finger"])
+    assert verdict(score(lib, only)).word in ("named", "ambiguous")
+
+
+def test_readings_that_do_not_belong_are_refused():
+    lib = library()
+    with pytest.raises(ValueError, match="3 loads read, 4 predicted"):
+        score(lib, Observed((Readings("free", np.ones((2, 3))),)))
+    with pytest.raises(ValueError, match="no reading at all"):
+        score(lib, Observed((Readings("free", np.full((2, 4), np.nan)),)))
+
+
+def test_probabilities_mean_what_they_say():
+    """Worlds drawn from the priors themselves: of what is called p probable, a share p is true."""
+    lib, rng = library(), np.random.default_rng(7)
+    names = list(lib.responses)
+    chances, hits = [], []
+    for seed in range(150):
+        kind = rng.choice(["none", "single"], p=[0.40 / 0.70, 0.30 / 0.70])
+        hidden = str(rng.choice(names)) if kind == "single" else "none"
+        sizes = {} if hidden == "none" else {hidden: float(np.clip(1 + 0.4 * rng.standard_normal(), 0, 2))}
+        scale = rng.choice(SCALES, p=SCALE_WEIGHTS)
+        world = (
+            truth(lib, **sizes)
+            + lib.jacobian @ (np.sqrt(np.diag(lib.prior)) * rng.standard_normal(3))
+            + scale
+            * np.linalg.cholesky(lib.structural + 1e-9 * np.eye(lib.size))
+            @ rng.standard_normal(lib.size)
+        )
+        found = score(lib, readings(lib, world, seed), pairs=False)
+        for name, chance in found.probabilities.items():
+            chances.append(chance)
+            hits.append(name == hidden)
+    chances, hits = np.array(chances), np.array(hits)
+    for low, high in ((0.0, 0.1), (0.1, 0.5), (0.5, 0.9), (0.9, 1.01)):
+        here = (chances >= low) & (chances < high)
+        spread = np.sqrt(max(chances[here].mean() * (1 - chances[here].mean()), 1e-3) / here.sum())
+        assert abs(hits[here].mean() - chances[here].mean()) < 3 * spread + 0.03
+
+
+def test_the_process_outside_learns_a_residual_and_forgets_it_far_away():
+    lib = library()
+    odd = np.where(lib.owner == 1, 4.0, 0.0)
+    evidence, learned = outside.log_evidence(Problem.of(lib, readings(lib, lib.baseline + odd)), lib.baseline)
+    assert np.isfinite(evidence)
+    assert learned[lib.points("free")] == pytest.approx(4.0, abs=1.5)
+    assert np.abs(learned[lib.points("weights")]).max() < 1.5
+
+
+# Where
+
+
+def test_location_finds_the_shape_of_a_residual():
+    lib = library()
+    x = np.array(TESTS[2].loads) / 60
+    for shape, added in (
+        ("offset", np.full(6, 4.0)),
+        ("slope", 8 * (x - 0.5)),
+        ("curvature", 12 * (x - x.mean()) ** 2),
+    ):
+        world = lib.baseline.copy()
+        world[lib.points("finger")] -= added
+        found = {one.test: one for one in locate(lib, readings(lib, world))}["finger"]
+        sizes = {name: abs(sigmas) for name, _, sigmas in found.shapes}
+        assert found.beyond and max(sizes, key=sizes.get) == shape
+
+
+def test_location_finds_a_last_point_that_leaves_the_line():
+    lib = library()
+    world = lib.baseline.copy()
+    world[lib.points("free")[-1]] += 3.0
+    found = {one.test: one for one in locate(lib, readings(lib, world))}
+    size, sigmas = found["free"].last
+    assert size == pytest.approx(-3.0, abs=1.0) and sigmas < -3
+    assert any("last point" in words for words in found["free"].words)
+    assert not found["weights"].beyond
+
+
+def test_location_finds_drift_and_hysteresis():
+    down = library(
+        (*TESTS, TESTS[2].__class__("back", "assembly", "tip_drop", TESTS[2].loads[::-1], path="unloading"))
+    )
+    world = down.baseline.copy()
+    world[down.points("back")] = world[down.points("finger")][::-1] + 3.0
+    seen = readings(down, world, scatter={"finger": 0.5, "back": 0.5}, ids=("finger", "back"))
+    ((up, back, size, sigmas),) = compared(seen, down)
+    assert (up, back) == ("finger", "back") and size == pytest.approx(3.0, abs=0.5) and sigmas > 3
+    rows = seen.tests[0].repeats + 4.0 * np.arange(3)[:, None]
+    drifting = Observed((Readings("finger", rows, 0.5),))
+    assert locate(down, drifting)[0].drift[0] == pytest.approx(4.0, abs=0.5)
+
+
+def test_a_library_survives_its_file(tmp_path):
+    lib = library()
+    lib.save(tmp_path / "library.npz")
+    again = Library.load(tmp_path / "library.npz")
+    seen = readings(lib, truth(lib, curl=1.0))
+    assert score(again, seen).probabilities == score(lib, seen).probabilities
+    assert [p.name for p in tmp_path.iterdir()] == ["library.npz"]
