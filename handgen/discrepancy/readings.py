@@ -27,8 +27,8 @@ def chosen(tests: Sequence[Test]) -> tuple[tuple[Test, ...], tuple[Test, ...], t
             scored.append(test)
         elif test.part not in shown and read >= FEWEST:
             scored.append(test.model_copy(update={"held_out": False}))
-            remarks.append(f"held out: {test.id} may not be fitted, but no other test shows the {test.part}: it is "
-                           "scored, and each load is predicted by a fit that has not seen it")
+            remarks.append(f"held out: {test.id} may not be fitted, but no other test shows the {test.part}: "
+                           "it is scored, and each load is predicted by a fit that has not seen it")
         else:
             predicted.append(test)
     return tuple(scored), tuple(predicted), tuple(remarks)
