@@ -1,0 +1,231 @@
+"""Figures of the study of the diagnosis, from its rows: counts, shares, 95 % intervals."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+Rows = Sequence[dict]
+NAMING = ("named", "pair")
+PRIOR = {"none": 0.4, "single": 0.3, "pair": 0.1, "outside": 0.2}
+"""How often each kind is believed to come: the calibration is weighed by it."""
+MEASURE = "beyond"
+"""Key of a row that says how large an effect is: "beyond", deviations of the baseline's whole uncertainty,
+or "sigmas", deviations of the repeats' means alone."""
+CLASSES = (
+    {"silicone_softening", "wrong_convention", "creep", "mullins", "thread_spacing", "uniaxial_only_law"},
+    {"pressure_offset", "pressure_gain"},
+    {"bore_friction", "bore_clearance", "self_contact"},
+    {"print_porosity", "base_compliance"},
+)
+"""Effects on one and the same thing: silicone's stiffness, the gauge, the bore, what the finger hangs on."""
+
+
+def wilson(right: int, count: int, z: float = 1.96) -> tuple[float, float]:
+    """95 % interval of a share."""
+    if count == 0:
+        return 0.0, 1.0
+    p = right / count
+    middle = p + z * z / (2 * count)
+    half = z * math.sqrt(p * (1 - p) / count + z * z / (4 * count * count))
+    return (middle - half) / (1 + z * z / count), (middle + half) / (1 + z * z / count)
+
+
+def share(right: int, count: int) -> str:
+    """ "97.1 % (94.0-98.6 %, 203 of 209)"."""
+    if count == 0:
+        return "no draw"
+    low, high = wilson(right, count)
+    return f"{100 * right / count:.1f} % ({100 * low:.1f}-{100 * high:.1f} %, {right} of {count})"
+
+
+def part(rows: Iterable[dict], test: Callable[[dict], bool]) -> str:
+    rows = list(rows)
+    return share(sum(bool(test(row)) for row in rows), len(rows))
+
+
+def names(row: dict) -> bool:
+    return row["word"] in NAMING
+
+
+def right(row: dict, hidden: Sequence[str] | None = None) -> bool:
+    """It names what is hidden, and nothing else."""
+    return names(row) and set(row["effects"]) == set(hidden if hidden is not None else row["hidden"])
+
+
+def same_class(row: dict, hidden: Sequence[str]) -> bool:
+    """All that it names acts on the same thing as what is hidden."""
+    return all(any({name, other} <= group for group in CLASSES for other in hidden) for name in row["effects"])
+
+
+def first_effect(row: dict) -> str:
+    """The effect that is most probably there."""
+    return max(row["present"], key=row["present"].get)
+
+
+def tables(rows: Rows) -> str:
+    """Everything that is published."""
+    kinds = defaultdict(list)
+    for row in rows:
+        kinds[row["kind"]].append(row)
+    lines = [f"{len(rows)} draws: " + ", ".join(f"{kind} {len(of)}" for kind, of in kinds.items())]
+    for section in (_naming, _silence, _calibration, _asking, _pairs, _gap, _trouble, _stress):
+        lines += ["", *section(kinds)]
+    return "\n".join([*lines, "", *confusion(kinds)])
+
+
+def seen(kinds, least: float = 6.0, kind: str = "single") -> Rows:
+    """Draws whose effect can be seen at all, beyond what the model leaves open."""
+    return [row for row in kinds[kind] if row["hidden"] and row[MEASURE] >= least]
+
+
+def _naming(kinds) -> list[str]:
+    rows = seen(kinds)
+    named = [row for row in rows if names(row)]
+    every = [row for row in kinds["single"] if names(row)]
+    lines = ["1 naming (one effect, >= 6 sigma)",
+             f"  right when it names      {part(named, right)}   [>= 95, lower >= 93]",
+             f"  ... or of the same class {part(named, lambda r: right(r) or same_class(r, r['hidden']))}",
+             f"  ... of all sizes         {part(every, right)}",
+             f"  names                    {part(rows, names)}   [>= 65]"]
+    for least in (10.0, 20.0):
+        lines.append(f"  first candidate right at >= {least:g} sigma  "
+                     f"{part(seen(kinds, least), lambda r: first_effect(r) == r['hidden'][0])}"
+                     + ("   [>= 85]" if least == 10 else ""))
+    with_tests = [{**r, **r["asked"]["best"]} for r in seen(kinds, 20.0)]
+    raw = [row for row in kinds["single"] if row["sigmas"] >= 6]
+    lines.append(f"  names, by the repeats' scatter alone >= 6 sigma  {part(raw, names)}")
+    lines.append("  the same with asked-for tests          "
+                 f"{part(with_tests, lambda r: first_effect(r) == r['hidden'][0])}   [>= 95]")
+    return lines
+
+
+def _silence(kinds) -> list[str]:
+    without = [{**r["without"], "hidden": r["hidden"]} for r in seen(kinds)]
+    return [
+        "2 silence",
+        f"  nothing hidden, names           {part(kinds['none'], names)}   [<= 5]",
+        f"  nothing hidden, says none       {part(kinds['none'], lambda r: r['word'] == 'none')}",
+        f"  outside the catalogue, names    {part(kinds['outside'], names)}   [<= 5]",
+        "  outside: outside or ambiguous   "
+        f"{part(kinds['outside'], lambda r: r['word'] in ('outside', 'ambiguous'))}   [>= 85]",
+        "  effect struck off, false name   "
+        f"{part(without, lambda r: names(r) and not same_class(r, r['hidden']))}   [<= 10]",
+        f"  ... name of the same class      {part(without, lambda r: names(r) and same_class(r, r['hidden']))}",
+    ]
+
+
+def truth(row: dict) -> str:
+    """The hypothesis that is true."""
+    return row["kind"] if row["kind"] in ("none", "outside") else "+".join(row["hidden"])
+
+
+def holds(row: dict, hypothesis: str) -> bool:
+    """Whether `hypothesis` is what is true, pairs in any order."""
+    return set(hypothesis.split("+")) == set(truth(row).split("+"))
+
+
+def _calibration(kinds) -> list[str]:
+    rows = [(r, PRIOR[kind] / len(kinds[kind])) for kind in PRIOR for r in kinds[kind] if kinds[kind]]
+    if not rows:
+        return []
+    weights = np.array([w for _, w in rows])
+    weights /= weights.sum()
+    sure = np.array([r["shares"][r["best"]] for r, _ in rows])
+    correct = np.array([holds(r, r["best"]) for r, _ in rows], float)
+    bins = np.minimum((sure * 10).astype(int), 9)
+    error = 0.0
+    lines = ["3 calibration (kinds weighed as they are believed to come)"]
+    for b in range(10):
+        mine = bins == b
+        if mine.any():
+            w = weights[mine]
+            said_, was = (sure[mine] @ w) / w.sum(), (correct[mine] @ w) / w.sum()
+            error += w.sum() * abs(said_ - was)
+            lines.append(f"  said {said_:.2f}  was {was:.2f}  ({mine.sum()} draws)")
+    high = sure >= 0.9
+    inside = np.array([any(holds(r, c) for c in r["candidates"]) for r, _ in rows], float)
+    size = np.array([len(r["candidates"]) for r, _ in rows], float)
+    lines.append(f"  calibration error {error:.3f}   [<= 0.05]")
+    if high.any():
+        lines.append(f"  right at >= 0.9: {100 * (correct[high] @ weights[high]) / weights[high].sum():.1f} % weighed; "
+                     f"{share(int(correct[high].sum()), int(high.sum()))}   [>= 90]")
+    lines.append(f"  90 % set holds the truth: {100 * inside @ weights:.1f} % weighed; "
+                 f"{share(int(inside.sum()), len(inside))}, mean size {size @ weights:.2f}   [>= 90, <= 2.5]")
+    return lines
+
+
+def _asking(kinds) -> list[str]:
+    lines = ["4 at most 3 tests that it asked for (one effect, >= 6 sigma)"]
+    for how in ("best", "random"):
+        rows = [{**r, **r["asked"][how]} for r in seen(kinds)]
+        if rows:
+            extra = np.mean([len(r["tests"]) for r in rows])
+            lines.append(f"  {how:6s} names {part(rows, names)} [>= 85]; right {part(filter(names, rows), right)} "
+                         f"[>= 95]; {extra:.2f} more tests a finger [<= 1]")
+    return lines
+
+
+def _pairs(kinds) -> list[str]:
+    lines = ["5 pairs"]
+    for words, rows in (("three tests", kinds["pair"]),
+                        ("asked-for ", [{**r, **r["asked"]["best"]} for r in kinds["pair"]])):
+        told = [row for row in rows if names(row)]
+        each = [(name, row) for row in told for name in row["effects"]]
+        lines.append(f"  {words}: both named {part(rows, right)}; one or both named {part(rows, names)}; "
+                     f"each name right {share(sum(n in r['hidden'] for n, r in each), len(each))}")
+    return lines
+
+
+def _gap(kinds) -> list[str]:
+    lines = ["6 gap on held-out readings (one effect, >= 6 sigma)"]
+    for what in ("loads", "unseen"):
+        for words, keep in (("all", lambda r: True), ("named", names)):
+            found = [r["gap"][what] for r in seen(kinds) if what in r["gap"] and keep(r)]
+            if not found:
+                continue
+            before, retuned, patched = (np.array([g[s] for g in found]) for s in ("before", "retuned", "patched"))
+            falls = np.median(1 - patched / before), np.median(1 - retuned / before)
+            lines.append(f"  {what}, {words}: falls by {100 * falls[0]:.0f} %, re-tuned alone {100 * falls[1]:.0f} % "
+                         f"(medians of {len(found)}); worse by over 10 %: "
+                         f"{share(int((patched > 1.1 * before).sum()), len(found))}   [>= 70, +25, <= 2]")
+    return lines
+
+
+def _trouble(kinds) -> list[str]:
+    lines = ["7 trouble"]
+    for kind in ("outlier", "missing", "one repeat", "five points"):
+        rows = [r for r in kinds[kind] if r["hidden"]]
+        told = [r for r in rows if names(r)]
+        flagged = f"; flagged {part(kinds[kind], lambda r: r['flagged'] > 0)}" if kind == "outlier" else ""
+        lines.append(f"  {kind}: right when it names {part(told, right)}; names "
+                     f"{part(seen(kinds, kind=kind), names)}{flagged}")
+    return lines
+
+
+def _stress(kinds) -> list[str]:
+    lines = ["8 stress"]
+    for kind in ("tolerance x2", "noise x4", "wrong priors"):
+        rows = seen(kinds, kind=kind)
+        nothing = [r for r in kinds[kind] if not r["hidden"]]
+        lines.append(f"  {kind}: right when it names {part(filter(names, rows), right)}; names {part(rows, names)}; "
+                     f"false name with nothing hidden {part(nothing, names)}")
+    return lines
+
+
+def confusion(kinds) -> list[str]:
+    """What is said (columns by their count) of what is hidden."""
+    lines = ["what is said of what is hidden (all sizes)"]
+    groups = defaultdict(list)
+    for kind in ("none", "single", "outside"):
+        for row in kinds[kind]:
+            groups["+".join(row["hidden"]) or "nothing"].append(row)
+    for name, rows in groups.items():
+        told = Counter("+".join(r["effects"]) if names(r) else r["word"] for r in rows)
+        first = Counter(r["best"] for r in rows if not names(r))
+        lines.append(f"  {name:20s} " + ", ".join(f"{what} {n}" for what, n in told.most_common(6))
+                     + (f"   | first of the others: {', '.join(f'{w} {n}' for w, n in first.most_common(4))}"))
+    return lines
