@@ -9,7 +9,6 @@ where it was.
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,17 +33,26 @@ CARRIED = 0.0
 """Share of own weight in the assembly that the judged model has."""
 
 
-def simulation(workers: int, say=print, *, force: bool = True, holds: bool = True) -> Simulation:
-    """The judged model over all tests of the study."""
+LEVELS = (
+    lambda test: test.path == "loading" and test.obstacle is None,
+    lambda test: test.part == "actuator",
+    lambda test: test.path == "unloading",
+    lambda test: test.path == "hold",
+    lambda test: test.obstacle is not None)
+"""Which tests are simulated first, and which then: a library of the first few levels serves already."""
+
+
+def simulation(workers: int, say=print, level: int = len(LEVELS)) -> Simulation:
+    """The judged model over the tests of the study up to a level."""
     measured = load_measurements(MEASUREMENTS)
     tests = [_open(measured.test(name)) for name in GIVEN]
-    more = [test for test in candidates(tests) if holds or test.path != "hold"]
-    if force:
-        more.append(_open(measured.test(FORCE)))
+    more = [test for test in (*candidates(tests), _open(measured.test(FORCE)))
+            if any(wanted(test) for wanted in LEVELS[:level])]
     model = load_model("calibrated")[0]
     weight = model.own_weight.model_copy(update={"assembly": CARRIED})
     model = model.model_copy(update={"own_weight": weight, "name": "judged"})
-    measured = replace(measured, measurements=measured.measurements.model_copy(update={"tests": [*tests, *more]}))
+    all_ = measured.measurements.model_copy(update={"tests": [*tests, *more]})
+    measured = replace(measured, measurements=all_)
     return Simulation(measured, (*tests, *more), model, Bends(workers, say))
 
 
@@ -53,19 +61,17 @@ def _open(test: Test) -> Test:
     return test.model_copy(update={"held_out": False, "fit_up_to": None, "repeats": test.repeats})
 
 
-def library(folder: Path, workers: int, say=print, **which: bool) -> Library:
+def library(folder: Path, workers: int, say=print, level: int = len(LEVELS)) -> Library:
     """From `folder`, or simulated and kept there."""
-    name = hashlib.sha256(repr(sorted(which.items())).encode()).hexdigest()[:8]
-    path = folder / f"library-{name}.npz"
+    path = folder / f"library-{level}.npz"
     if not path.exists():
-        simulated.library(simulation(workers, say, **which)).save(path)
+        simulated.library(simulation(workers, say, level)).save(path)
     return Library.load(path)
 
 
 if __name__ == "__main__":
     import sys
 
-    folder = Path(sys.argv[1])
-    for stage in ({"force": False, "holds": False}, {"force": False, "holds": True}, {"force": True, "holds": True}):
-        found = library(folder, 2, lambda line: print(line, flush=True), **stage)
-        print(stage, {k: v.predictions.shape for k, v in found.responses.items()}, flush=True)
+    for level in range(1, len(LEVELS) + 1):
+        found = library(Path(sys.argv[1]), 2, lambda line: print(line, flush=True), level)
+        print(f"level {level}: {found.size} readings, {len(found.responses)} effects", flush=True)

@@ -203,7 +203,7 @@ def creep(world: World, rng: np.random.Generator) -> Drawn:
 
 def self_contact(world: World, rng: np.random.Generator) -> Drawn:
     """The palmar sides of neighbouring bones meet, softly; rad a joint."""
-    size = rng.uniform(0.30, 0.60)
+    size = rng.uniform(0.35, 1.0)
     return of_finger(world, stop=size, stop_stiffness=rng.uniform(2e4, 2e5)), size
 
 

@@ -69,7 +69,7 @@ class Finger:
     tip_mass: float = 1.5
     """g, the cap."""
     stop: float = 10.0
-    """Turn at which the bones beside a slot meet, rad a slot; the first one has no bone before it."""
+    """Turn at which the bones beside a slot meet, rad a slot."""
     stop_stiffness: float = 400.0
     root_give: float = 0.0
     """rad/(N mm): how the palm yields to the finger's moment. The actuator's push ends in the finger
@@ -92,8 +92,7 @@ class Finger:
             share = self._overlap(starts, link, place - slot / 2, place + slot / 2)
             free += share
             rest += curl * share / share.sum()
-            if place > self.joints[0]:
-                stop = np.where(share > 0.05 * link, self.stop * share / slot, stop)
+            stop = np.where(share > 0.05 * link, self.stop * share / slot, stop)
         # The first joint's share reaches half the way to the next.
         ratio = np.where(starts < sum(self.joints[:2]) / len(self.joints[:2]), self.first, 1.0)
         give = free / (ratio * self.strip) + (link - free) / (self.bone * self.strip)
