@@ -59,8 +59,8 @@ def plan(first: int, share: float = 1.0) -> Iterator[Draw]:
                 ("one repeat", {"repeats": 1}), ("five points", {"trouble": "five points", "ids": GIVEN}),
                 ("tolerance x2", {"tolerance": 2.0}), ("noise x4", {"noise": 4.0}), ("wrong priors", {})):
             yield from (replace(base, kind=kind, seed=seed, **change) for seed in seeds(kind))
-    for kind, change in (("tolerance x2", {"tolerance": 2.0}), ("noise x4", {"noise": 4.0}), ("wrong priors", {}),
-                         ("outlier", {"trouble": "outlier"})):
+    for kind, change in (("tolerance x2", {"tolerance": 2.0}), ("noise x4", {"noise": 4.0}),
+                         ("wrong priors", {}), ("outlier", {"trouble": "outlier"})):
         yield from (Draw(kind, (), seed, ids=GIVEN, **change) for seed in seeds(kind, 10))
     for name in OUTSIDE:
         yield from (Draw("outside", (name,), seed, ids=GIVEN) for seed in seeds("outside"))
@@ -115,8 +115,9 @@ def said(scores) -> dict:
 
     found = verdict(scores)
     shares = {h.id: round(h.probability, 6) for h in scores.hypotheses[:25]}
-    return {"word": found.word, "effects": found.effects, "probability": found.probability, "best": found.best.id,
-            "alike": found.alike, "candidates": found.candidates, "vetoed": bool(found.vetoed),
+    return {"word": found.word, "effects": found.effects, "probability": found.probability,
+            "best": found.best.id, "alike": found.alike, "candidates": found.candidates,
+            "vetoed": bool(found.vetoed),
             "p": found.best.p_value, "shares": shares,
             "present": {name: round(scores.present(name), 5) for name in scores.problem.library.responses}}
 

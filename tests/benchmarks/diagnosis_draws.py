@@ -61,8 +61,9 @@ class Hidden:
         """Do these tests, after those that were done."""
         first = len(self.records)
         rng = self.draw.rng("noise " + " ".join(test.id for test in tests))
-        for record in campaign(self.world, tuple(asked(test) for test in tests), rng, repeats=self.draw.repeats,
-                               noise=self.draw.noise, first=first):
+        done = campaign(self.world, tuple(asked(test) for test in tests), rng, repeats=self.draw.repeats,
+                        noise=self.draw.noise, first=first)
+        for record in done:
             self.records[record.test.id] = record
 
     def observed(self) -> Observed:
@@ -81,6 +82,8 @@ class Hidden:
         return self.records[test.id].truth.mean(axis=0) - plain
 
 
+FIVE = {"exoskeleton-weights": [0, 2], "actuator-pressure": [1], "assembly-pressure": [0, 4]}
+"""Loads that are left of five points."""
 OF = {"exoskeleton-weights": ("exoskeleton", "tip_drop"), "actuator-pressure": ("actuator", "elongation"),
       "assembly-pressure": ("assembly", "tip_drop"), "fingertip-force": ("assembly", "tip_force")}
 """What the given tests read."""
@@ -123,5 +126,5 @@ def trouble(draw: Draw, found: dict[str, np.ndarray], records: dict[str, Record]
             repeats[0, 0] = repeats[0, 0] if np.isfinite(repeats[0, 0]) else records[name].repeats[0, 0]
     elif draw.trouble == "five points":
         for name, repeats in found.items():
-            kept = {"exoskeleton-weights": [0, 2], "actuator-pressure": [1], "assembly-pressure": [0, 4]}[name]
+            kept = FIVE[name]
             repeats[:, [i for i in range(repeats.shape[1]) if i not in kept]] = np.nan

@@ -58,7 +58,8 @@ def right(row: dict, hidden: Sequence[str] | None = None) -> bool:
 
 def same_class(row: dict, hidden: Sequence[str]) -> bool:
     """All that it names acts on the same thing as what is hidden."""
-    return all(any({name, other} <= group for group in CLASSES for other in hidden) for name in row["effects"])
+    return all(any({name, other} <= group for group in CLASSES for other in hidden)
+               for name in row["effects"])
 
 
 def first_effect(row: dict) -> str:
@@ -114,7 +115,8 @@ def _silence(kinds) -> list[str]:
         f"{part(kinds['outside'], lambda r: r['word'] in ('outside', 'ambiguous'))}   [>= 85]",
         "  effect struck off, false name   "
         f"{part(without, lambda r: names(r) and not same_class(r, r['hidden']))}   [<= 10]",
-        f"  ... name of the same class      {part(without, lambda r: names(r) and same_class(r, r['hidden']))}",
+        f"  ... name of the same class      "
+        f"{part(without, lambda r: names(r) and same_class(r, r['hidden']))}",
     ]
 
 
@@ -151,7 +153,8 @@ def _calibration(kinds) -> list[str]:
     size = np.array([len(r["candidates"]) for r, _ in rows], float)
     lines.append(f"  calibration error {error:.3f}   [<= 0.05]")
     if high.any():
-        lines.append(f"  right at >= 0.9: {100 * (correct[high] @ weights[high]) / weights[high].sum():.1f} % weighed; "
+        lines.append(f"  right at >= 0.9: {100 * (correct[high] @ weights[high]) / weights[high].sum():.1f} "
+                     f"% weighed; "
                      f"{share(int(correct[high].sum()), int(high.sum()))}   [>= 90]")
     lines.append(f"  90 % set holds the truth: {100 * inside @ weights:.1f} % weighed; "
                  f"{share(int(inside.sum()), len(inside))}, mean size {size @ weights:.2f}   [>= 90, <= 2.5]")
@@ -164,7 +167,8 @@ def _asking(kinds) -> list[str]:
         rows = [{**r, **r["asked"][how]} for r in seen(kinds)]
         if rows:
             extra = np.mean([len(r["tests"]) for r in rows])
-            lines.append(f"  {how:6s} names {part(rows, names)} [>= 85]; right {part(filter(names, rows), right)} "
+            lines.append(f"  {how:6s} names {part(rows, names)} [>= 85]; right "
+                         f"{part(filter(names, rows), right)} "
                          f"[>= 95]; {extra:.2f} more tests a finger [<= 1]")
     return lines
 
@@ -187,9 +191,11 @@ def _gap(kinds) -> list[str]:
             found = [r["gap"][what] for r in seen(kinds) if what in r["gap"] and keep(r)]
             if not found:
                 continue
-            before, retuned, patched = (np.array([g[s] for g in found]) for s in ("before", "retuned", "patched"))
+            before, retuned, patched = (
+                np.array([g[s] for g in found]) for s in ("before", "retuned", "patched"))
             falls = np.median(1 - patched / before), np.median(1 - retuned / before)
-            lines.append(f"  {what}, {words}: falls by {100 * falls[0]:.0f} %, re-tuned alone {100 * falls[1]:.0f} % "
+            lines.append(f"  {what}, {words}: falls by {100 * falls[0]:.0f} %, re-tuned alone "
+                         f"{100 * falls[1]:.0f} % "
                          f"(medians of {len(found)}); worse by over 10 %: "
                          f"{share(int((patched > 1.1 * before).sum()), len(found))}   [>= 70, +25, <= 2]")
     return lines
@@ -211,7 +217,8 @@ def _stress(kinds) -> list[str]:
     for kind in ("tolerance x2", "noise x4", "wrong priors"):
         rows = seen(kinds, kind=kind)
         nothing = [r for r in kinds[kind] if not r["hidden"]]
-        lines.append(f"  {kind}: right when it names {part(filter(names, rows), right)}; names {part(rows, names)}; "
+        lines.append(f"  {kind}: right when it names {part(filter(names, rows), right)}; names "
+                     f"{part(rows, names)}; "
                      f"false name with nothing hidden {part(nothing, names)}")
     return lines
 
@@ -227,5 +234,6 @@ def confusion(kinds) -> list[str]:
         told = Counter("+".join(r["effects"]) if names(r) else r["word"] for r in rows)
         first = Counter(r["best"] for r in rows if not names(r))
         lines.append(f"  {name:20s} " + ", ".join(f"{what} {n}" for what, n in told.most_common(6))
-                     + (f"   | first of the others: {', '.join(f'{w} {n}' for w, n in first.most_common(4))}"))
+                     + (f"   | first of the others: "
+                        f"{', '.join(f'{w} {n}' for w, n in first.most_common(4))}"))
     return lines
