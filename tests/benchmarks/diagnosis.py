@@ -165,7 +165,6 @@ def ask(draw: Draw, library, how: str) -> dict:
     """Up to MOST_ASKED more tests, chosen by the diagnosis or at random, while the verdict is ambiguous."""
     from handgen.discrepancy.ask import next_test
     from handgen.discrepancy.candidates import SIGMAS
-
     from handgen.discrepancy.problem import Problem
     from handgen.discrepancy.score import score_problem
     from handgen.discrepancy.verdict import verdict

@@ -12,13 +12,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from handgen.discrepancy.candidates import candidates
-from handgen.discrepancy.simulated import Simulation
-from handgen.discrepancy.worker import Bends
-
 from handgen.bending.model import load_model
 from handgen.discrepancy import simulated
+from handgen.discrepancy.candidates import candidates
 from handgen.discrepancy.library import Library
+from handgen.discrepancy.simulated import Simulation
+from handgen.discrepancy.worker import Bends
 from handgen.measurements import load_measurements
 from handgen.measurements.model import Test
 
