@@ -43,14 +43,14 @@ class Applied:
     def model(self, model: BendModel) -> BendModel:
         return self._each(model, lambda one, now: one.effect.on_model(now, one.parameters))
 
-    def case(self, case: Case, gauge: Sequence[float], path: str, times: Sequence[float],
-             repeats: int) -> Case:
-        """`case` with what the chamber sees where the gauge says `gauge`, kPa."""
+    def chamber(self, gauge: Sequence[float]) -> list[float]:
+        """kPa that the chamber really sees where the gauge says `gauge`."""
+        return self._each(list(gauge), lambda one, now: list(one.effect.on_pressures(now, one.parameters)))
+
+    def case(self, case: Case, course: Course) -> Case:
+        """`case`, whose chamber sees what `course` says."""
         if case.part != "exoskeleton":
-            seen = self._each(list(gauge),
-                              lambda one, now: list(one.effect.on_pressures(now, one.parameters)))
-            case = replace(case, pressures=tuple(1e-3 * pressure for pressure in seen),
-                           softening=self._softening(Course(tuple(seen), path, tuple(times), repeats)))
+            case = replace(case, softening=self._softening(course))
         return self._each(case, lambda one, now: one.effect.on_case(now, one.parameters))
 
     def _softening(self, course: Course) -> tuple[float, ...]:

@@ -74,6 +74,9 @@ class Effect(Model):
     id: str = item("name of the effect")
     parameters: dict[str, float] = item(
         "its parameters by name; one that is left out has its usual value", default_factory=dict)
+    intervals: dict[str, Annotated[list[float], Field(min_length=2, max_length=2)]] = item(
+        "[from, to] within which a parameter lies with 90 %, where measurements have found it; for people",
+        default_factory=dict)
 
 
 class BendModel(Model):
@@ -199,6 +202,10 @@ def _misspelt(at: tuple[str, str], material: str, given: dict) -> Iterator[Fault
 def _wrong_effects(model: BendModel) -> list[Fault]:
     found = [fault for i, one in enumerate(model.effects)
              for fault in effects.faults(("effects", i), one.id, one.parameters)]
+    found += [Fault(("effects", i, "intervals", name), "belongs to no parameter that is stated", span,
+                    "one of " + ", ".join(one.parameters) if one.parameters else "none")
+              for i, one in enumerate(model.effects) for name, span in one.intervals.items()
+              if name not in one.parameters]
     before = [one.id for one in model.effects]
     return found + [Fault(("effects", i, "id"), "is switched on twice", name, "each effect once")
                     for i, name in enumerate(before) if name in before[:i]]

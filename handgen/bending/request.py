@@ -13,7 +13,7 @@ from handgen.bending.compose import BODIES, Composer
 from handgen.bending.loads import Faults, Numbers
 from handgen.bending.model import BendModel, Choice, default_name, load_model
 from handgen.bending.opposition import HingeCase
-from handgen.effects import Switched
+from handgen.effects import Course, Switched
 from handgen.errors import InputError, Problem
 from handgen.parameters.fault import nearest
 from handgen.parameters.load import Loaded, load
@@ -139,13 +139,14 @@ def _composed(loaded: Loaded, chosen: tuple[BendModel, str], finger: str, part: 
         return None
     applied = Applied(switched, file, problems)
     model = applied.model(model)
-    composer = Composer(applied.hand(loaded, finger), model, file,
-                        pressures=tuple(1e-3 * p for p in course[0]))
+    gauge, path, times, repeats = course
+    seen = gauge if part == "exoskeleton" else applied.chamber(gauge)
+    composer = Composer(applied.hand(loaded, finger), model, file, pressures=tuple(1e-3 * p for p in seen))
     loading["gravity"] = _acting(loading["gravity"], model, part)
     case = _case(composer, finger, part, dict(contact=Contact(model.friction, model.bonded), **loading))
     problems += (p for i, p in enumerate(composer.problems) if p not in composer.problems[:i])
     if case is not None and part != opposition.PART:
-        case = applied.case(case, *course)
+        case = applied.case(case, Course(tuple(seen), path, tuple(times), repeats))
     return None if case is None else (composer, case, switched)
 
 

@@ -14,7 +14,8 @@ class BoreClearance(Effect):
     id = "bore_clearance"
     name = "play in the bore"
     sentence = "The actuator has {gap:.2f} mm of play in its bore all around"
-    signature = "the assembly bends less at low pressure and catches up once the actuator fills its bore"
+    signature = ("the assembly hangs lower at rest and at low pressure, where the actuator does not yet fill "
+                 "its bore and carry it; hardly anything is left above; single parts are untouched")
     source = ("Section 5.2.2: the mould was drawn for 0.5 mm thread and wound with 0.15 mm; prints and casts "
               "shrink, and bores out of a nozzle are off by tenths of a millimetre (assumed)")
     settle = "measure bore and actuator with a calliper, or push wire of known thickness beside the actuator"

@@ -17,8 +17,8 @@ class BoreFriction(Effect):
     id = "bore_friction"
     name = "friction in the bore"
     sentence = "The actuator rubs in its bore, with a coefficient larger by {more:.2f} than the model's"
-    signature = ("the assembly bends less going up and stays behind coming down: a loop; more at high "
-                 "pressure, and no fold; free actuator and bare exoskeleton are untouched")
+    signature = ("the assembly's angle stays behind going up and stays ahead coming down: a loop of degrees; "
+                 "at high pressure it bends less and does not fold; single parts are untouched")
     source = ("Section 5.2.3 lets it slide without friction; dry silicone rubber slides at 1 and more: "
               "Tribology Transactions 53 (2010) 1-6")
     settle = "read the assembly going down as well as up; or powder the actuator with talc and read again"

@@ -26,8 +26,9 @@ class ThreadSpacing(Effect):
     name = "wide thread"
     sentence = ("The turns of the thread lie {wider:.2f} times as far apart as drawn, and the wall bulges "
                 "between them")
-    signature = ("the free actuator grows thicker and moves differently from some pressure on, more than in "
-                 "proportion; in its bore the bulge is stopped; the bare exoskeleton is untouched")
+    signature = ("the free actuator goes less far at low and further at high pressure, and grows thicker; in "
+                 "its bore the bulge is stopped, so the assembly shows less; the bare exoskeleton is "
+                 "untouched")
     source = "Section 4.2.2: wound by hand, no pitch is given; Figure 5.8 models 44 rings"
     settle = "count the turns over 20 mm through the silicone"
     parameters = (Parameter(
