@@ -22,7 +22,7 @@ class BaseCompliance(Effect):
               "model holds the root rigidly")
     settle = "a marker on the palm beside the root: photograph it without and with the largest weight"
     parameters = (Parameter(
-        "compliance", "deg/(N mm)", 0.0, 0.8, 0.0, Prior("lognormal", (0.2, 0.7)),
+        "compliance", "deg/(N mm)", 0.0, 0.8, 0.0, Prior("lognormal", (0.25, 0.7)),
         "turn of the root for a moment; own weight and 0.5 N at the tip make some 30 N mm"),)
 
     def on_case(self, case, p):

@@ -20,7 +20,7 @@ class BoreClearance(Effect):
               "shrink, and bores out of a nozzle are off by tenths of a millimetre (assumed)")
     settle = "measure bore and actuator with a calliper, or push wire of known thickness beside the actuator"
     parameters = (Parameter(
-        "gap", "mm", 0.0, 1.0, 0.0, Prior("lognormal", (0.25, 0.6)), "radial clearance"),)
+        "gap", "mm", 0.0, 1.0, 0.0, Prior("lognormal", (0.3, 0.7)), "radial clearance"),)
 
     def on_case(self, case, p):
         return replace(case, contact=replace(case.contact, clearance=case.contact.clearance + p["gap"]))

@@ -23,7 +23,7 @@ class Creep(Effect):
               "the source notes no times")
     settle = "hold the free actuator at 40 kPa and read it after 10 s, 1 min and 10 min"
     parameters = (Parameter(
-        "rate", "1", 0.0, 0.2, 0.0, Prior("lognormal", (0.05, 0.6)),
+        "rate", "1", 0.0, 0.2, 0.0, Prior("lognormal", (0.06, 0.7)),
         "share of stiffness lost a decade of time, from 10 s on"),)
 
     def on_course(self, course, p):

@@ -18,7 +18,7 @@ class PressureGain(Effect):
               "pressure on the way to the chamber")
     settle = "a manometer or a water column at the actuator's own tube, at two pressures"
     parameters = (Parameter(
-        "factor", "1", 0.75, 1.25, 1.0, Prior("normal", (1.0, 0.08)),
+        "factor", "1", 0.75, 1.25, 1.0, Prior("normal", (1.0, 0.1)),
         "pressure in the chamber over that of the gauge"),)
 
     def on_pressures(self, kilopascals, p):

@@ -24,7 +24,7 @@ class PrintPorosity(Effect):
               "L. J. Gibson, M. F. Ashby, Cellular Solids, 1997")
     settle = "weigh the printed finger and divide by the volume of its CAD model"
     parameters = (Parameter(
-        "porosity", "1", 0.0, 0.45, 0.0, Prior("normal", (0.15, 0.1)),
+        "porosity", "1", 0.0, 0.45, 0.0, Prior("normal", (0.2, 0.12)),
         "share of voids, beyond what the model's density already holds"),)
 
     def on_case(self, case, p):

@@ -20,7 +20,7 @@ class ScaleError(Effect):
               "sees nearer or farther than the finger's own plane")
     settle = "photograph a ruler in the finger's plane beside the paper"
     parameters = (Parameter(
-        "factor", "1", 0.85, 1.15, 1.0, Prior("normal", (1.0, 0.04)), "length as read over true length"),)
+        "factor", "1", 0.85, 1.15, 1.0, Prior("normal", (1.0, 0.06)), "length as read over true length"),)
 
     def on_reading(self, quantity, loads, values, p):
         if quantity not in LENGTHS:

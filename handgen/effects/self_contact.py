@@ -21,7 +21,7 @@ class SelfContact(Effect):
               "leaves 7 mm between its palmar edges")
     settle = "bend a bare joint by hand until it stops and photograph its angle"
     parameters = (Parameter(
-        "left", "1", 0.0, 0.95, 0.0, Prior("normal", (0.75, 0.12)),
+        "left", "1", 0.0, 0.98, 0.0, Prior("normal", (0.85, 0.08)),
         "share of the distance at rest of a slot's palmar edges that the strip's crease and rests of support "
         "take up"),)
 

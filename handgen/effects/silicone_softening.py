@@ -21,7 +21,7 @@ class SiliconeSoftening(Effect):
               "mixing off 1A:1B and a cold or short cure soften it")
     settle = "pull a strip of the same pour to 100 % and compare with the bulletin's stress"
     parameters = (Parameter(
-        "softening", "1", 0.0, 0.5, 0.0, Prior("normal", (0.2, 0.1)),
+        "softening", "1", 0.0, 0.5, 0.0, Prior("normal", (0.2, 0.12)),
         "share of its stresses that is missing"),)
 
     def on_case(self, case, p):
