@@ -146,8 +146,9 @@ def effects(document: dict[str, Any], style: Style) -> str:
         lines.append(f"{style(one['id'], '1')}: {one['name']}")
         for p in one["parameters"]:
             unit = "" if p["unit"] == "1" else f" {p['unit']}"
+            usual = "either way" if p["usual"] is None else f"usually {p['usual']:.3g}"
             lines.append(f"    {p['name']:<11}{p['low']:g} to {p['high']:g}{unit}, absent at {p['null']:g}, "
-                         f"usually {p['usual']:.3g}: {p['meaning']}")
+                         f"{usual}: {p['meaning']}")
         lines += [f"    {what:<11}{one[what]}" for what in ("signature", "settle", "source")]
     return "\n".join(lines)
 

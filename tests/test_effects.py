@@ -47,7 +47,8 @@ def test_an_effect_states_what_a_lab_must_know(effect):
     assert all(len(text) > 15 for text in (effect.sentence, effect.signature, effect.source, effect.settle))
     assert (effect.parameters and effect.said({}) != effect.sentence) or "{" not in effect.sentence
     for one in effect.parameters:
-        assert one.low <= one.null <= one.high and one.allowed(one.null) and one.allowed(one.usual)
+        assert one.low <= one.null <= one.high and one.allowed(one.null)
+        assert one.usual is None or (one.allowed(one.usual) and one.usual != one.null)
         grid = one.grid(5)
         assert all(one.allowed(value) for value in grid) and list(grid) == sorted(grid)
         if not one.switch:
@@ -195,7 +196,8 @@ def test_a_model_file_says_its_effects_and_comes_back_the_same(tmp_path):
 def test_everything_wrong_with_effects_is_said_at_once(tmp_path):
     wrong = [{"id": "own_wieght"}, {"id": "pressure_gain", "parameters": {"factr": 1.0, "factor": 3.0}},
              {"id": "wrong_convention", "parameters": {"misread": 0.5}}, {"id": "creeep"},
-             {"id": "scale_error"}, {"id": "scale_error", "intervals": {"factor": [0.9, 1.1]}}]
+             {"id": "scale_error", "parameters": {"factor": 1.1}},
+             {"id": "scale_error", "intervals": {"factor": [0.9, 1.1]}}]
     with pytest.raises(InputError) as caught:
         load_model(model_file(tmp_path, effects=wrong))
     found = {p.path: p for p in caught.value.problems}
@@ -204,7 +206,8 @@ def test_everything_wrong_with_effects_is_said_at_once(tmp_path):
     assert found["effects[1].parameters.factor"].allowed == "0.75 to 1.25"
     assert found["effects[2].parameters.misread"].allowed == "0 or 1"
     assert "twice" in found["effects[5].id"].message
-    assert set(found) >= {"effects[3].id", "effects[5].intervals.factor"}
+    assert set(found) >= {"effects[3].id", "effects[5].intervals.factor", "effects[5].parameters.factor"}
+    assert "no usual one" in found["effects[5].parameters.factor"].message
 
 
 def test_a_curl_that_no_strip_can_be_printed_with_is_refused(tmp_path):
@@ -218,7 +221,22 @@ def test_a_curl_that_no_strip_can_be_printed_with_is_refused(tmp_path):
 
 def test_the_section_model_knows_no_effects():
     with pytest.raises(InputError, match="knows no effects"):
-        request(ADULT_FILE, part="opposition", model=switched("scale_error"))
+        request(ADULT_FILE, part="opposition", model=switched("own_weight"))
+
+
+def test_the_reference_solver_does_not_know_what_only_the_solid_model_has():
+    for name in ("creep", "self_contact", "base_compliance", "bore_clearance", "thread_spacing"):
+        with pytest.raises(InputError, match="does not know"):
+            request(ADULT_FILE, solver="reference", model=switched(name))
+    assert request(ADULT_FILE, solver="reference", model=switched("silicone_softening")).case.silicone
+
+
+def test_a_hand_that_an_effect_makes_impossible_is_refused(monkeypatch):
+    curl = CATALOGUE["rest_curl"]
+    monkeypatch.setattr(type(curl), "on_hand", lambda self, hand, p: hand.model_copy(update={
+        "thread": hand.thread.model_copy(update={"pitch": -1.0})}))
+    with pytest.raises(InputError, match=r"thread\.pitch"):
+        request(ADULT_FILE, model=switched("rest_curl"))
 
 
 # The command, and effects of other packages

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
+from pydantic import ValidationError
 
 from handgen.bending.model import BendModel
 from handgen.effects import Course, Switched
 from handgen.errors import Problem
-from handgen.parameters import fault, relations
+from handgen.parameters import explain, fault, relations
 from handgen.parameters.load import Loaded
 from handgen.parameters.model import Hand
 from handgen.simulation.case import Case, Curve
@@ -34,10 +35,18 @@ class Applied:
     def hand(self, loaded: Loaded, finger: str) -> Loaded:
         """`loaded` as it really is; `finger` must still be one that can be made."""
         hand: Hand = self._each(loaded.hand, lambda one, now: one.effect.on_hand(now, one.parameters))
-        if hand is not loaded.hand and (mine := hand.fingers.present().get(finger)):
-            self.problems.extend(
-                Problem(self.file, "effects", one.value, f"{fault.text(one.path)} {one.message}", one.allowed)
-                for one in relations.curl(mine, ("fingers", finger)))
+        if hand is loaded.hand:
+            return loaded
+        found: list[fault.Fault] = []
+        try:
+            hand = Hand.model_validate(hand.model_dump(by_alias=True))
+        except ValidationError as error:
+            found = list(explain.faults(Hand, error))
+        if not found and (mine := hand.fingers.present().get(finger)):
+            found = list(relations.curl(mine, ("fingers", finger)))
+        self.problems.extend(
+            Problem(self.file, "effects", one.value, f"{fault.text(one.path)} {one.message}", one.allowed)
+            for one in found)
         return replace(loaded, hand=hand)
 
     def model(self, model: BendModel) -> BendModel:

@@ -71,8 +71,9 @@ class Effect:
         return all(p[one.name] == one.null for one in self.parameters)
 
     def filled(self, p: Values) -> dict[str, float]:
-        """`p` with the usual value of every parameter that it leaves out."""
-        return {one.name: float(p.get(one.name, one.usual)) for one in self.parameters}
+        """`p` with the usual value of every parameter that it leaves out, or else with none of it."""
+        return {one.name: float(p.get(one.name, one.null if one.usual is None else one.usual))
+                for one in self.parameters}
 
     def said(self, p: Values) -> str:
         """The sentence with its numbers."""

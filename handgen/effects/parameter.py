@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Literal
 
+NOTHING = 1e-6
+"""Share of a parameter's range within which a value counts as its null."""
+
 
 @dataclass(frozen=True)
 class Prior:
@@ -63,9 +66,11 @@ class Parameter:
     meaning: str
 
     @property
-    def usual(self) -> float:
-        """Median of the prior: what is taken where a model file leaves the parameter out."""
-        return self.quantile(0.5)
+    def usual(self) -> float | None:
+        """Median of the prior: what is taken where a model file leaves the parameter out; None where that is
+        as good as nothing, as of an error of either sign."""
+        middle = self.quantile(0.5)
+        return None if abs(middle - self.null) < NOTHING * (self.high - self.low) else middle
 
     @property
     def switch(self) -> bool:

@@ -69,6 +69,9 @@ def faults(at: Path, name: str, parameters: Mapping[str, float]) -> Iterator[Fau
                     nearest(name, known))
         return
     own = {one.name: one for one in known[name].parameters}
+    for key, one in own.items():
+        if key not in parameters and one.usual is None:
+            yield Fault((*at, "parameters", key), f"missing: {name} has no usual one", None, one.range)
     for key, value in parameters.items():
         where = (*at, "parameters", key)
         if key not in own:
