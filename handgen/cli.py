@@ -285,6 +285,42 @@ def _measurements(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED
 
 
+# sweep
+
+
+def _sweep_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("words", metavar="SWEEP", nargs="+",
+                        help="SWEEP.yaml runs it; plan SWEEP.yaml says how many, how long, how much; "
+                             "show FOLDER makes tables, plots and a page of what was found")
+    parser.add_argument("--workers", type=_count, default=None, metavar="N",
+                        help="processes to work with, a thread each (default: one a core)")
+    parser.add_argument("--scheduler", metavar="ADDRESS",
+                        help="of a running Dask scheduler (tcp://...), instead of a local cluster")
+    parser.add_argument("--resume", action="store_true",
+                        help="take up an interrupted run; a plain run does the same")
+
+
+def _sweep(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen import sweep
+    from handgen.sweep import said
+
+    action, file = sweep.action(arguments.words)
+    if action == "plan":
+        plan = sweep.plan(file, workers=arguments.workers)
+        output.result(plan, said.planned(plan))
+        return PASSED
+    if action == "show":
+        shown = sweep.show(file, arguments.out)
+        output.result(shown, said.shown(shown))
+        return PASSED
+    result = sweep.run(file, out=arguments.out, workers=arguments.workers, scheduler=arguments.scheduler,
+                       progress=output.note)
+    output.result(result, said.ran(result))
+    if not set(result["statuses"]) & {"done", "incomplete"}:
+        return ENGINE if set(result["statuses"]) - {"invalid", "refused"} else FAILED
+    return PASSED if result["feasible"] else FAILED
+
+
 # measure
 
 
@@ -340,6 +376,8 @@ VERBS = {
     "diagnose": Verb("find what a model lacks to explain measurements, and add it", _diagnose_arguments,
                      _diagnose),
     "measurements": Verb("measurements files from tables (CSV)", _measurements_arguments, _measurements),
+    "sweep": Verb("vary what a hand is made of, compare the variants, find the best", _sweep_arguments,
+                  _sweep),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }

@@ -1,11 +1,13 @@
 """A solver that answers at once, hung in like another package's: boxes that shear with the load.
 
 STUB_STOPS_AT: load (kPa, or N of a bare exoskeleton) beyond which it finds nothing; STUB_SECONDS: what a
-point takes.
+point takes; STUB_HANGS_AT, STUB_DIES_AT: loads at which it never returns, or takes its process with it.
 """
 
 import math
 import os
+import re
+import signal
 import time
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -48,6 +50,7 @@ def simulate(case, progress=None) -> Curve:
     for pressure, tip in loads:
         time.sleep(float(os.environ.get("STUB_SECONDS", "0")))
         load = tip if bare else 1e3 * pressure
+        _misbehave(load)
         if load > stop + 1e-9:
             stopped = f"nothing was found beyond {stop:g}"
             states.append(State(pressure, tip, False, note=stopped))
@@ -62,6 +65,14 @@ def simulate(case, progress=None) -> Curve:
         if progress:
             progress(f"{load:g}: {math.degrees(angle):.1f} degrees")
     return Curve(tuple(states), grids, reached, (), 12, len(states), 0.01, stopped)
+
+
+def _misbehave(load: float) -> None:
+    if f"{load:g}" == os.environ.get("STUB_DIES_AT"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if f"{load:g}" == os.environ.get("STUB_HANGS_AT"):
+        # Holds the interpreter's lock, as compiled code may: no other thread can end it.
+        re.match(r"(a+)+$", "a" * 40 + "b")
 
 
 def install(folder: Path) -> Path:

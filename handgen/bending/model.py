@@ -17,9 +17,10 @@ from handgen.errors import InputError, Problem
 from handgen.materials import library
 from handgen.materials.sets import ParameterSet
 from handgen.parameters import explain
+from handgen.parameters.document import Document
 from handgen.parameters.fault import Fault, nearest, text
 from handgen.parameters.quantity import Model, item, quantity
-from handgen.parameters.single import load_single
+from handgen.parameters.single import load_single, validated
 
 SCHEMA = "handgen.model/1"
 FOLDER = Path(__file__).parents[2] / "params" / "models"
@@ -133,13 +134,31 @@ def load_model(wanted: str | os.PathLike | BendModel) -> tuple[BendModel, str]:
             raise InputError([Problem(where, text(f.path), f.value, f.message, f.allowed, f.suggestion)
                               for f in found])
         return wanted, where
+    file = path_of(wanted)
+    return load_single(file, BendModel, SCHEMA, _chosen, _wrong_effects), file
+
+
+def model_of(data: Mapping[str, Any], file: str) -> BendModel:
+    """The model that `data` spells out; `file` is named in errors.
+
+    Raises:
+        InputError: every error of it.
+    """
+    return validated(Document(file, dict(data)), BendModel, SCHEMA, _chosen, _wrong_effects)
+
+
+def path_of(wanted: str | os.PathLike) -> str:
+    """The file of the model that `wanted` names ("literature") or is.
+
+    Raises:
+        InputError: there is none of this name, with the nearest.
+    """
     word = os.fspath(wanted)
     named = not (os.sep in word or word.endswith((".yaml", ".yml")) or os.path.exists(word))
     if named and word not in names():
         raise InputError([Problem("command line", "--model", word, "there is no model of this name",
                                   f"a YAML file, or one of {', '.join(names())}", nearest(word, names()))])
-    file = str(FOLDER / f"{word}.yaml") if named else word
-    return load_single(file, BendModel, SCHEMA, _chosen, _wrong_effects), file
+    return str(FOLDER / f"{word}.yaml") if named else word
 
 
 def _chosen(data: dict) -> list[Fault]:

@@ -173,7 +173,8 @@ def strain(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     if not fingers:
         return skipped(rule, "no finger")
     processes = [hand.printing.finger, *([hand.printing.hand] if hand.palm else [])]
-    allowed = {m: limit for m in sorted({p.material for p in processes}) if (limit := _allowed(limits, m))}
+    allowed = {m: limit for m in sorted({p.material for p in processes})
+               if (limit := allowed_strain(limits, m))}
     if not allowed:
         return skipped(rule, "neither yield nor break is known for " + ", ".join(
             sorted({p.material for p in processes})))
@@ -212,7 +213,7 @@ def strip_strain(finger: CurlingFinger, index: int, angle: float) -> tuple[float
     return float(strains[at]), float(xs[at])
 
 
-def _allowed(limits: Limits, material: str) -> Limit | None:
+def allowed_strain(limits: Limits, material: str) -> Limit | None:
     """The smaller of yield and break, each over its safety; None: neither is known."""
     found = []
     for what in ("yield", "break"):

@@ -56,6 +56,33 @@ def load(path: str | os.PathLike) -> Loaded:
     return Loaded(hand, FilePath(path), _hash(hand), assumptions.collect(hand))
 
 
+def merged(path: str | os.PathLike) -> dict:
+    """What the parameter file `path` says with all that it extends, as plain data, not yet validated.
+
+    Raises:
+        InputError: a file of the chain cannot be read.
+    """
+    chain = _Chain()
+    chain.follow(os.fspath(path))
+    if chain.problems:
+        raise InputError(chain.ordered())
+    return chain.merged()
+
+
+def loaded(data: dict, file: str | os.PathLike) -> Loaded:
+    """A hand from merged `data`; `file` is named in errors.
+
+    Raises:
+        InputError: with every problem.
+    """
+    chain = _Chain()
+    chain.documents.append(Document(os.fspath(file), data))
+    hand = chain.validated(data)
+    if hand is None or chain.problems:
+        raise InputError(chain.ordered())
+    return Loaded(hand, FilePath(file), _hash(hand), [])
+
+
 def merge(base: dict, variant: dict) -> dict:
     """`variant` on top of `base`: mappings key by key; lists and values replace; null removes."""
     result = dict(base)

@@ -31,7 +31,21 @@ def load_single(
     Raises:
         InputError: no such file, another format or version, or every wrong field, each with its line.
     """
-    here = document.read(os.fspath(file))
+    return validated(document.read(os.fspath(file)), model, schema, prepare, relate)
+
+
+def validated(
+    here: document.Document,
+    model: type[M],
+    schema: str,
+    prepare: Callable[[dict], list[Fault]] = lambda data: [],
+    relate: Callable[[M], list[Fault]] = lambda loaded: [],
+) -> M:
+    """As `load_single`, from data that is read already; `prepare` changes it.
+
+    Raises:
+        InputError: every wrong field.
+    """
     if here.data is not None and here.data.get("schema") != schema:
         known = "schema" in here.data
         message = "unknown format, or unknown version of it" if known else "missing (version of the format)"

@@ -1,0 +1,212 @@
+"""A sweep, run: what is missing is computed, every row is kept at once, the table is written at the end."""
+
+from __future__ import annotations
+
+import os
+import time
+import uuid
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from handgen.sweep import draw, table
+from handgen.sweep.best import feasible, ranked, save_kept
+from handgen.sweep.cluster import Cluster, Job, cluster
+from handgen.sweep.load import Prepared, prepare
+from handgen.sweep.plan import base_breaks, output
+from handgen.sweep.results import FINISHED
+from handgen.sweep.store import Store, default
+from handgen.sweep.variant import Task, confirming, task
+from handgen.sweep.work import retried
+
+RESULTS, CONFIRMED = "results.parquet", "confirmed.parquet"
+EVERY = 2.0
+"""Seconds between two lines of progress."""
+Progress = Callable[[str], None]
+
+
+def run(file: str | os.PathLike, *, out: str | os.PathLike | None = None, workers: int | None = None,
+        scheduler: str | None = None, store: str | os.PathLike | None = None,
+        progress: Progress | None = None) -> dict[str, Any]:
+    """Run the sweep `file`; what an earlier run or another sweep computed is not computed again.
+
+    Writes `results.parquet` (and `confirmed.parquet`, `best/`) to `out`, outputs/<name>.
+
+    Raises:
+        InputError: everything wrong with the file, its base and its model; or no scheduler answers.
+        EngineError: the scheduler was lost, or its workers run another handgen.
+    """
+    prepared, say, begun = prepare(file), progress or (lambda line: None), time.perf_counter()
+    folder, runner = output(prepared, out), Runner(prepared, Store(store or default()), progress)
+    if broken := base_breaks(prepared):
+        say(f"note: the base file breaks {', '.join(broken)}")
+    with runner.using(workers, scheduler):
+        if prepared.sweep.method == "optimise":
+            from handgen.sweep.optimise import optimise
+
+            folder.mkdir(parents=True, exist_ok=True)
+            variants = optimise(prepared, runner, folder)
+        else:
+            variants = None
+            runner.compute(task(prepared, values) for values in draw.points(prepared.sweep))
+        rows = Rows(prepared, runner.store, variants)
+        table.write(folder / RESULTS, prepared, rows.kinds, rows)
+        best = ranked(prepared.sweep, rows)
+        confirmed = _confirm(prepared, runner, best, folder) if prepared.sweep.confirm else []
+        kept = save_kept(prepared, best[:prepared.kept], folder, say)
+    counts = Counter(row["status"] for row in rows)
+    return {
+        "schema": "handgen.sweep-run/1", "name": prepared.sweep.name, "out": str(folder),
+        "results": str(folder / RESULTS), "variants": sum(counts.values()), "computed": runner.computed,
+        "reused": sum(counts.values()) - runner.computed_screening, "statuses": dict(counts),
+        "feasible": sum(feasible(prepared.sweep, row) for row in rows),
+        "axes": list(prepared.sweep.vary), "objectives": prepared.sweep.objectives,
+        "constraints": list(prepared.sweep.constraints), "best": best[:max(5, prepared.kept)],
+        "confirmed": confirmed, "kept": kept,
+        "wall_s": round(time.perf_counter() - begun, 3),
+    }
+
+
+class Runner:
+    """Computes tasks that the store does not have, on one cluster that starts when it is first needed."""
+
+    def __init__(self, prepared: Prepared, store: Store, progress: Progress | None):
+        self.prepared, self.store, self.say = prepared, store, progress or (lambda line: None)
+        self.limit = prepared.sweep.time_limit
+        self.run = uuid.uuid4().hex
+        self.computed = self.computed_screening = 0
+        self._asked: tuple[int | None, str | None] = (None, None)
+        self._cluster: Cluster | None = None
+        self._open: Any = None
+
+    def using(self, workers: int | None, scheduler: str | None) -> Runner:
+        self._asked = workers, scheduler
+        return self
+
+    def __enter__(self) -> Runner:
+        return self
+
+    def __exit__(self, *error) -> None:
+        if self._open is not None:
+            self._open.__exit__(*error)
+
+    @property
+    def cluster(self) -> Cluster:
+        if self._cluster is None:
+            self._open = cluster(*self._asked)
+            self._cluster = self._open.__enter__()
+        return self._cluster
+
+    def known(self, key: str) -> dict[str, Any] | None:
+        """The row that the store has already, unless it ran out of a shorter time."""
+        row = self.store.read(key)
+        return None if row is None or retried(row, self.limit) else row
+
+    def compute(self, tasks: Iterator[Task]) -> None:
+        """See that the store has the row of every task."""
+        missing = Missing(self, tasks)
+        first = next(missing, None)
+        if first is None:
+            return
+        clock = _Clock(self.say, lambda: self.cluster.threads)
+        for key, row in self.rows(_after(first, missing)):
+            self.keep(key, row)
+            clock.tick(missing.total)
+        self.computed_screening = self.computed
+        clock.last(missing.total)
+
+    def rows(self, jobs: Iterator[Job]) -> Iterator[tuple[str, dict[str, Any]]]:
+        return self.cluster.rows(jobs, str(self.store.folder), self.run, self.limit)
+
+    def keep(self, key: str, row: dict[str, Any]) -> None:
+        """A worker that shares this disk has kept its row already."""
+        self.computed += 1
+        if self.store.read(key) is None:
+            self.store.write(key, row)
+
+
+class Missing:
+    """Jobs that the store has no row for, each once; counts as it goes."""
+
+    def __init__(self, runner: Runner, tasks: Iterator[Task]):
+        self.runner, self.tasks, self.seen = runner, tasks, set()
+        self.read = 0
+        self.total = draw.count(runner.prepared.sweep)
+
+    def __iter__(self) -> Missing:
+        return self
+
+    def __next__(self) -> Job:
+        for one in self.tasks:
+            key = one.key
+            if key in self.seen or self.runner.known(key) is not None:
+                self.total -= 1
+                continue
+            self.seen.add(key)
+            return key, one
+        raise StopIteration
+
+
+def _after(first: Job, rest: Iterator[Job]) -> Iterator[Job]:
+    yield first
+    yield from rest
+
+
+class _Clock:
+    """Progress with the time that is left."""
+
+    def __init__(self, say: Progress, threads: Callable[[], int]):
+        self.say, self.threads = say, threads
+        self.begun = self.told = time.perf_counter()
+        self.done = 0
+
+    def tick(self, total: int) -> None:
+        self.done += 1
+        now = time.perf_counter()
+        if now - self.told >= EVERY:
+            self.told = now
+            left = (now - self.begun) / self.done * (total - self.done)
+            self.say(f"{self.done} of {total} variants, {self.threads()} workers, {duration(left)} left")
+
+    def last(self, total: int) -> None:
+        self.say(f"{self.done} variants computed in {duration(time.perf_counter() - self.begun)}")
+
+
+def duration(seconds: float) -> str:
+    """`3 s`, `12 min`, `5.4 h`."""
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+
+
+class Rows:
+    """The sweep's rows in its order, read from the store every time they are asked for."""
+
+    def __init__(self, prepared: Prepared, store: Store, variants: list[dict] | None = None, by=None):
+        self.prepared, self.store, self.variants = prepared, store, variants
+        self.by = by or (lambda one: one)
+        varied = "bend.pressure" in prepared.sweep.vary
+        self.kinds = table.columns(prepared, () if varied else prepared.pressures)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        points = self.variants if self.variants is not None else draw.points(self.prepared.sweep)
+        for number, values in enumerate(points):
+            key = self.by(task(self.prepared, values)).key
+            row = self.store.read(key) or {"status": "failed", "reason": "the store has lost it"}
+            yield {"variant": number, "hash": key, **values, **row}
+
+
+def _confirm(prepared: Prepared, runner: Runner, best: list[dict], folder: Path) -> list[dict[str, Any]]:
+    """The best variants once more, by the solver that confirms."""
+    by = prepared.sweep.confirm
+    wanted = [{axis: row[axis] for axis in prepared.sweep.vary} for row in best[:by.best]]
+    if not wanted:
+        return []
+    runner.say(f"confirming {len(wanted)} by {by.solver}")
+    screening = runner.computed_screening
+    runner.compute(iter([confirming(task(prepared, values), by) for values in wanted]))
+    runner.computed_screening = screening
+    rows = Rows(prepared, runner.store, wanted, lambda one: confirming(one, by))
+    table.write(folder / CONFIRMED, prepared, rows.kinds, rows)
+    return [row for row in rows if row["status"] in FINISHED]
