@@ -67,8 +67,13 @@ class Composer:
         law = choice.parameters.build()
         return Substance(law, getattr(self.model.bulk_ratio, body) * law.shear_modulus, choice.density)
 
-    def finger(self, name: str) -> FingerProfile:
-        return FingerProfile(getattr(self.loaded.hand.fingers, name))
+    def finger(self, name: str, curled: bool = True) -> FingerProfile:
+        """The finger; an actuator on its own knows nothing of its curl: equal bends are equal cases."""
+        finger = getattr(self.loaded.hand.fingers, name)
+        if not curled:
+            joints = [joint.model_copy(update={"rest_angle": 0.0}) for joint in finger.joints]
+            finger = finger.model_copy(update={"joints": joints})
+        return FingerProfile(finger)
 
     def actuator(self, name: str) -> ActuatorProfile | None:
         """Radii of the actuator as it is cast."""

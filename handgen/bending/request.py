@@ -181,7 +181,7 @@ def _case(composer: Composer, name: str, part: str, loading: dict) -> Case | Hin
     if part != "actuator":
         tpu = composer.substance("exoskeleton")
     if name in hand.fingers.present():
-        finger = composer.finger(name)
+        finger = composer.finger(name, curled=part != "actuator")
     if composer.problems:
         return None
     return Case(part, finger, hand.exoskeleton.joint_fillet, profile, winding, tpu, silicone, held,

@@ -23,6 +23,8 @@ class BoreClearance(Effect):
         "gap", "mm", 0.0, 1.0, 0.0, Prior("lognormal", (0.3, 0.7)), "radial clearance"),)
 
     def on_case(self, case, p):
+        if case.part != "assembly":
+            return case
         return replace(case, contact=replace(case.contact, clearance=case.contact.clearance + p["gap"]))
 
 

@@ -27,6 +27,8 @@ class BoreFriction(Effect):
         "Coulomb's coefficient beyond the model's"),)
 
     def on_case(self, case, p):
+        if case.part != "assembly":
+            return case
         friction = min(MOST, case.contact.friction + p["more"])
         return replace(case, contact=replace(case.contact, friction=max(friction, case.contact.friction)))
 
