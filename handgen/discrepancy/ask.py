@@ -13,7 +13,6 @@ from itertools import combinations
 
 import numpy as np
 
-from handgen.discrepancy.gaussian import Whitener
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import OUTSIDE, Grid, Scores
 
@@ -68,9 +67,9 @@ def foresee(
     problem: Problem, ids: Sequence[str], centre: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(mean, covariance) of a test's means by an explanation, given all that was read; no reading error."""
-    whiten = Whitener.of(problem.covariance())
-    gain = whiten(problem.model(points, problem.scored))
-    left = problem.model(points, points) - gain @ gain.T
+    whiten = problem.whitener(ids)
+    gain = whiten(problem.model(points, problem.scored, ids=ids))
+    left = problem.model(points, points, ids=ids) - gain @ gain.T
     if len(ids) == 1:
         grid = Grid.of(problem, [whiten], ids[0], [1.0])
         log = grid.log_densities[0] + grid.log_weights

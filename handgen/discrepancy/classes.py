@@ -12,12 +12,10 @@ ALIKE = 2.0
 
 def alike(scores: Scores, first: str, second: str) -> bool:
     """Whether the best predictions of two hypotheses are the same, as far as these data can tell."""
-    from handgen.discrepancy.gaussian import Whitener
-
     problem = scores.problem
-    whiten = Whitener.of(problem.covariance())
     rows = problem.scored
     a, b = scores[first], scores[second]
+    whiten = problem.whitener(a.ids)
     apart = whiten((a.centre - b.centre)[rows])
     return float(apart @ apart) < ALIKE**2
 

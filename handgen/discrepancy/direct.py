@@ -1,4 +1,5 @@
-"""Checks that need no test of a finger: data sheet against law, balance against model, stability of a law."""
+"""Checks that need no test of a finger: data sheet against law, balance against model, stability, own
+weight."""
 
 from __future__ import annotations
 
@@ -21,6 +22,8 @@ LIGHT = 0.05
 """Share of a weighed mass that a model may be off."""
 USED = 1.5
 """Nominal strain up to which a law must be a possible material."""
+HANGING = ("palm_down", "palm_up")
+"""Orientations in which own weight bends a finger."""
 SMALL = 0.1
 """Nominal strain at which two laws that agree at 100 % are compared."""
 OTHER = {"mu/alpha": "2mu/alpha^2", "2mu/alpha^2": "mu/alpha"}
@@ -30,7 +33,7 @@ OTHER = {"mu/alpha": "2mu/alpha^2", "2mu/alpha^2": "mu/alpha"}
 class Finding:
     """What a direct check found wrong."""
 
-    check: Literal["datasheet", "mass", "stability"]
+    check: Literal["datasheet", "mass", "stability", "weight"]
     subject: str
     effect: str | None
     """Effect of the catalogue that it points to."""
@@ -44,13 +47,24 @@ def findings(model: BendModel, hand: Hand, measurements: Measurements) -> list[F
     """All that is wrong with the materials that `hand` is made of, and with what was weighed."""
     bodies = {"exoskeleton": (hand.printing.hand if hand.palm else hand.printing.finger).material,
               "actuator": hand.casting.silicone.name}
-    found: list[Finding] = []
+    found: list[Finding] = list(_weightless(model, measurements))
     for body, material in bodies.items():
         if (choice := model.materials.get(material)) is not None:
             found += _of_set(material, choice)
             found += [finding for one in measurements.weighed if body in one.what
                       for finding in _mass(one, material, choice)]
     return found
+
+
+def _weightless(model: BendModel, measurements: Measurements) -> Iterator[Finding]:
+    """Own weight that a model leaves out where nothing carries the part."""
+    for part, share in model.own_weight.model_dump().items():
+        tests = [test.id for test in measurements.tests if test.part == part and test.orientation in HANGING]
+        if share < 1.0 - LIGHT and tests:
+            yield Finding("weight", part, "own_weight", (
+                f"{model.name} lets {100 * share:.0f} % of the {part}'s own weight act; nothing carried it "
+                f"in "
+                + ", ".join(tests)))
 
 
 def _of_set(material: str, choice: Choice) -> Iterator[Finding]:

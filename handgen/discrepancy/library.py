@@ -18,6 +18,8 @@ import numpy as np
 from handgen.discrepancy.dense import Dense, dense
 
 FORMAT = 1
+RESPONSE = ("predictions", "jacobian", "structural")
+"""Arrays of a Response, in their order there."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,15 @@ class Response:
     """Prior density of each parameter up to a factor: at its values, or a table (2, q) of value, density."""
     predictions: np.ndarray
     """(len(axis 1), ..., n); NaN where the simulation found no balance."""
+    jacobian: np.ndarray | None = None
+    """(n, k) of the nuisances with the effect on, where it was simulated; else the library's."""
+    structural: np.ndarray | None = None
+    """(n, n) of fingers within tolerance with the effect on, likewise."""
+
+    @property
+    def local(self) -> bool:
+        """Whether what is open was simulated with the effect on."""
+        return self.jacobian is not None or self.structural is not None
 
     def __post_init__(self):
         shape = tuple(len(axis) for axis in self.axes)
@@ -65,7 +76,10 @@ class Response:
 
     def at(self, points: np.ndarray) -> Response:
         """The response at some of the points alone."""
-        return replace(self, predictions=self.predictions[..., points])
+        return replace(
+            self, predictions=self.predictions[..., points],
+            jacobian=None if self.jacobian is None else self.jacobian[points],
+            structural=None if self.structural is None else self.structural[np.ix_(points, points)])
 
 
 @dataclass(frozen=True)
@@ -85,7 +99,7 @@ class Library:
     structural: np.ndarray
     """(n, n) covariance of what the model gets wrong with everything within tolerance."""
     prior_odds: Mapping[str, float] = field(default_factory=dict)
-    """Effect -> weight beside the others; 1 where none is given."""
+    """Effect -> what direct checks make of its odds; 1 where none is given."""
 
     def __post_init__(self):
         n, k = sum(len(test.loads) for test in self.tests), len(self.nuisances)
@@ -140,7 +154,8 @@ class Library:
                        "nuisances": self.nuisances, "prior_odds": dict(self.prior_odds), "responses": {}}
         for name, response in self.responses.items():
             about["responses"][name] = response.parameters
-            arrays[f"{name}/predictions"] = response.predictions
+            arrays |= {f"{name}/{what}": getattr(response, what) for what in RESPONSE
+                       if getattr(response, what) is not None}
             for i, (axis, density) in enumerate(zip(response.axes, response.densities, strict=True)):
                 arrays[f"{name}/axis/{i}"], arrays[f"{name}/density/{i}"] = axis, density
         path = Path(path)
@@ -169,7 +184,7 @@ class Library:
             name: Response(name, tuple(parameters),
                            tuple(arrays[f"{name}/axis/{i}"] for i in range(len(parameters))),
                            tuple(arrays[f"{name}/density/{i}"] for i in range(len(parameters))),
-                           arrays[f"{name}/predictions"])
+                           *(arrays.get(f"{name}/{what}") for what in RESPONSE))
             for name, parameters in about["responses"].items()}
         tests = tuple(Series(**{**test, "loads": tuple(test["loads"])}) for test in about["tests"])
         return cls(tests, arrays["baseline"], tuple(about["nuisances"]), arrays["prior"], arrays["jacobian"],

@@ -14,21 +14,27 @@ from handgen.discrepancy.library import Response
 from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
 
 
-def drafts(problem: Problem, whiteners: Sequence[Whitener], names: Sequence[str]) -> list[Draft]:
+def drafts(problem: Problem, names: Sequence[str]) -> list[Draft]:
     """A draft of every pair of `names`."""
     library = problem.library
     coarse = {name: coarsened(library.responses[name]) for name in names}
     base = library.baseline[problem.scored]
     residual = problem.data - base
-    white = [whiten(residual) for whiten in whiteners]
-    moved = {name: [whiten(found.predictions[:, problem.scored] - base) for whiten in whiteners]
-             for name, found in coarse.items()}
+    moves = {name: found.predictions[:, problem.scored] - base for name, found in coarse.items()}
+    white = {(): _whitened(problem.whiteners(), residual)}
+    moved = {((), name): _whitened(problem.whiteners(), move) for name, move in moves.items()}
     result = []
     for a, b in combinations(names, 2):
         first, second = coarse[a], coarse[b]
         if not len(first.values) or not len(second.values):
             continue
-        posterior = _posterior(whiteners, white, moved[a], moved[b])
+        key, whiteners = problem.local((a, b)), problem.whiteners((a, b))
+        if key not in white:
+            white[key] = _whitened(whiteners, residual)
+        for name in (a, b):
+            if (key, name) not in moved:
+                moved[key, name] = _whitened(whiteners, moves[name])
+        posterior = _posterior(whiteners, white[key], moved[key, a], moved[key, b])
         posterior += first.log_weights[:, None] + second.log_weights[None, :]
         i, j = np.unravel_index(int(posterior.argmax()), posterior.shape)
         parameters = {
@@ -38,6 +44,10 @@ def drafts(problem: Problem, whiteners: Sequence[Whitener], names: Sequence[str]
         result.append(Draft(f"{a}+{b}", (a, b), log_sum(posterior.ravel()), parameters, centre,
                             len(parameters[a]) + len(parameters[b]), problem))
     return result
+
+
+def _whitened(whiteners: Sequence[Whitener], rows: np.ndarray) -> list[np.ndarray]:
+    return [whiten(rows) for whiten in whiteners]
 
 
 def coarsened(response: Response) -> Dense:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from handgen.discrepancy.gaussian import Whitener
 from handgen.discrepancy.library import Library
 from handgen.discrepancy.observed import Observed
 
@@ -72,12 +74,45 @@ class Problem:
         """(s, s) covariance of these means."""
         return self.errors[np.ix_(self.used, self.used)]
 
-    def covariance(self, scale: float = 1.0) -> np.ndarray:
-        """(s, s) of data less prediction: reading, nuisances, `scale` times the structural error."""
-        return self.reading + self.model(self.scored, self.scored, scale)
+    # With some effects on: ids of those
 
-    def model(self, rows: np.ndarray, columns: np.ndarray, scale: float = 1.0) -> np.ndarray:
+    def covariance(self, scale: float = 1.0, ids: Sequence[str] = ()) -> np.ndarray:
+        """(s, s) of data less prediction: reading, nuisances, `scale` times the structural error."""
+        return self.reading + self.model(self.scored, self.scored, scale, ids)
+
+    def model(self, rows: np.ndarray, columns: np.ndarray, scale: float = 1.0,
+              ids: Sequence[str] = ()) -> np.ndarray:
         """Covariance of what the model itself leaves open, between points of the library."""
-        found = self.library
-        return (found.jacobian[rows] @ found.prior @ found.jacobian[columns].T
-                + scale**2 * found.structural[np.ix_(rows, columns)])
+        slopes = self.jacobian(ids)
+        return (slopes[rows] @ self.library.prior @ slopes[columns].T
+                + scale**2 * self.structural(ids)[np.ix_(rows, columns)])
+
+    def jacobian(self, ids: Sequence[str]) -> np.ndarray:
+        """(n, k); what two effects change of it adds up."""
+        base = self.library.jacobian
+        local = [self.library.responses[name].jacobian for name in ids]
+        return base + sum((one - base for one in local if one is not None), np.zeros_like(base))
+
+    def structural(self, ids: Sequence[str]) -> np.ndarray:
+        """(n, n); of two effects the one that leaves more open."""
+        local = [self.library.responses[name].structural for name in ids]
+        return max((one for one in local if one is not None), key=np.trace, default=self.library.structural)
+
+    def local(self, ids: Sequence[str]) -> tuple[str, ...]:
+        """Those of `ids` with which what is open was simulated anew."""
+        return tuple(name for name in ids if self.library.responses[name].local)
+
+    def whiteners(self, ids: Sequence[str] = ()) -> list[Whitener]:
+        """One for each of SCALES."""
+        key = self.local(ids)
+        if key not in self._whiteners:
+            self._whiteners[key] = [Whitener.of(self.covariance(scale, key)) for scale in SCALES]
+        return self._whiteners[key]
+
+    def whitener(self, ids: Sequence[str] = ()) -> Whitener:
+        """At scale 1."""
+        return self.whiteners(ids)[SCALES.index(1.0)]
+
+    @cached_property
+    def _whiteners(self) -> dict[tuple[str, ...], list[Whitener]]:
+        return {}

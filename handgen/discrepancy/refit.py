@@ -174,7 +174,7 @@ class Refit:
     def _weights(self, used: np.ndarray) -> np.ndarray:
         """(s, s) inverse covariance of readings and structural error, of the points that are `used`."""
         at = self.problem.points[used]
-        structural = self.problem.library.structural[np.ix_(at, at)]
+        structural = self.problem.structural(self.ids)[np.ix_(at, at)]
         return np.linalg.inv(structural + self.problem.errors[np.ix_(used, used)])
 
     def _priors(self) -> tuple[np.ndarray, np.ndarray]:

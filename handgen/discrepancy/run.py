@@ -29,6 +29,10 @@ from handgen.measurements.model import Test
 from handgen.parameters.load import load
 
 WORKERS = 2
+ODDS = 10.0
+"""By which a direct check that points to an effect raises its odds."""
+SHORT, NEAR = 3, 6.0
+"""Effects that are looked at more closely: so many at most, whose log evidence is so near the best one's."""
 DRIFT = 3.0
 """Deviations from which a drift is spoken of."""
 
@@ -97,8 +101,11 @@ def diagnose(
     simulation = Simulation(measured, tests, subject, bends, seed)
     library = simulated.library(simulation)
     observed = observed_of(tests)
+    found = tuple(findings(subject, measured.hand.hand, measured.measurements))
+    library = replace(library, prior_odds={one.effect: ODDS for one in found if one.effect})
+    first = score_problem(Problem.of(library, observed))
+    library = simulated.localised(simulation, library, _shortlist(first))
     problem = Problem.of(library, observed)
-    progress("scoring")
     scores = score_problem(problem)
     said = verdict(scores)
     progress(f"verdict: {said.word} {', '.join(said.effects)}")
@@ -116,7 +123,7 @@ def diagnose(
         subject,
         tests,
         held_out,
-        tuple(findings(subject, measured.hand.hand, measured.measurements)),
+        found,
         located,
         scores,
         said,
@@ -128,6 +135,16 @@ def diagnose(
         bends.solved,
         (*remarks, *_flags(library, located)),
     )
+
+
+def _shortlist(scores: Scores) -> dict[str, dict[str, float]]:
+    """Effects that may yet win, or that a direct check points to, each with its most probable parameters."""
+    odds = scores.problem.library.prior_odds
+    single = sorted((h for h in scores.hypotheses if len(h.ids) == 1),
+                    key=lambda h: h.log_evidence + np.log(odds.get(h.id, 1.0)), reverse=True)
+    best = max((h.log_evidence for h in single), default=0.0)
+    kept = [h for h in single if h.log_evidence + np.log(odds.get(h.id, 1.0)) > best - NEAR][:SHORT]
+    return {h.id: {one.name: one.value for one in h.parameters[h.id]} for h in kept}
 
 
 def _next(simulation: Simulation, said: Verdict, observed) -> tuple[Test, Proposal] | None:

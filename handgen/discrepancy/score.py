@@ -19,7 +19,7 @@ from handgen.discrepancy.gaussian import Whitener, log_sum
 from handgen.discrepancy.hypothesis import Draft, Hypothesis, estimates
 from handgen.discrepancy.library import Library
 from handgen.discrepancy.observed import Observed
-from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
+from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
 
 NONE, OUTSIDE = "none", "outside"
 PRIOR = {NONE: 0.40, "single": 0.30, "pair": 0.10, OUTSIDE: 0.20}
@@ -67,14 +67,13 @@ def score_problem(problem: Problem, *, pairs: bool = True, prior: Mapping[str, f
     if not problem.used.any():
         raise ValueError("no reading takes part in the scoring")
     library = problem.library
-    whiteners = [Whitener.of(problem.covariance(scale)) for scale in SCALES]
-    grids = {name: Grid.of(problem, whiteners, name) for name in library.responses}
-    found = [_none(problem, whiteners)]
+    grids = {name: Grid.of(problem, problem.whiteners((name,)), name) for name in library.responses}
+    found = [_none(problem)]
     found += [_single(problem, grid) for grid in grids.values()]
     evidence, learned = outside.log_evidence(problem, library.baseline)
     found.append(Draft(OUTSIDE, (), evidence, {}, library.baseline + learned, 0, problem))
     if pairs and len(grids) > 1:
-        found += of_pairs.drafts(problem, whiteners, list(grids))
+        found += of_pairs.drafts(problem, list(grids))
     return Scores(problem, _weighed(library, found, prior))
 
 
@@ -103,10 +102,10 @@ class Grid:
         return cls(name, dense.values, dense.predictions, dense.log_weights, white, densities)
 
 
-def _none(problem: Problem, whiteners: Sequence[Whitener]) -> Draft:
+def _none(problem: Problem) -> Draft:
     residual = problem.data - problem.library.baseline[problem.scored]
     terms = [float(w.log_density(residual)) + np.log(share)
-             for w, share in zip(whiteners, SCALE_WEIGHTS, strict=True)]
+             for w, share in zip(problem.whiteners(), SCALE_WEIGHTS, strict=True)]
     return Draft(NONE, (), log_sum(np.array(terms)), {}, problem.library.baseline, 0, problem)
 
 
@@ -123,10 +122,9 @@ def _single(problem: Problem, grid: Grid) -> Draft:
 def _weighed(library: Library, drafts: Sequence[Draft], prior: Mapping[str, float]) -> tuple[Hypothesis, ...]:
     odds = {d.id: float(np.prod([library.prior_odds.get(i, 1.0) for i in d.ids])) for d in drafts}
     families = {d.id: d.id if not d.ids else "single" if len(d.ids) == 1 else "pair" for d in drafts}
-    totals = {family: sum(odds[d.id] for d in drafts if families[d.id] == family)
-              for family in families.values()}
-    logs = np.array([d.log_evidence + np.log(prior[families[d.id]] * odds[d.id] / totals[families[d.id]])
-                     for d in drafts])
+    members = list(families.values())
+    shares = [prior[families[d.id]] * odds[d.id] / members.count(families[d.id]) for d in drafts]
+    logs = np.array([d.log_evidence for d in drafts]) + np.log(shares)
     shares = np.exp(logs - log_sum(logs))
     found = [_hypothesis(draft, float(share)) for draft, share in zip(drafts, shares, strict=True)]
     return tuple(sorted(found, key=lambda h: -h.probability))
@@ -136,15 +134,15 @@ def _hypothesis(draft: Draft, probability: float) -> Hypothesis:
     from scipy.special import chdtrc
 
     problem, library = draft.problem, draft.problem.library
-    whiten = Whitener.of(problem.covariance())
+    whiten, slopes = problem.whitener(draft.ids), problem.jacobian(draft.ids)
     residual = problem.data - draft.centre[problem.scored]
     white = whiten(residual)
-    spread = library.jacobian[problem.scored] @ library.prior
+    spread = slopes[problem.scored] @ library.prior
     gain = whiten(spread.T)
     nuisances = gain @ white
     left = library.prior - gain @ gain.T
     size = float(white @ white)
     freedoms = max(len(residual) - draft.count, 1)
     return Hypothesis(draft.id, draft.ids, draft.log_evidence, probability, draft.parameters, nuisances, left,
-                      draft.centre, draft.centre + library.jacobian @ nuisances, size, freedoms,
+                      draft.centre, draft.centre + slopes @ nuisances, size, freedoms,
                       float(chdtrc(freedoms, size)))

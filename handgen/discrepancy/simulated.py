@@ -34,6 +34,8 @@ SHRINK = 0.1
 """Share of the ensemble's correlations that is not believed: it has few members."""
 FEW = 8
 """Fingers within tolerance, where a test is only to be chosen."""
+LOCAL = 12
+"""The same, with an effect on."""
 SEEN = 1e-6
 """Shares of a reading below which an effect does nothing."""
 
@@ -178,6 +180,24 @@ def responses(simulation: Simulation, baseline: np.ndarray,
             found[name] = Response(name, tuple(p.name for p in known[name].parameters), axes,
                                    design.densities(known[name], axes), mine)
     return found
+
+
+def localised(simulation: Simulation, library: Library, values: dict[str, dict[str, float]]) -> Library:
+    """`library` with what is open simulated anew with some effects on, each at its `values`.
+
+    A finger that hangs by its own weight asks for its stiffness where a weightless one does not.
+    """
+    left_open = nuisance.nuisances(list(simulation.tests))
+    found = dict(library.responses)
+    for name, parameters in values.items():
+        other = replace(simulation, model=simulation.with_effects({name: parameters}))
+        middle = other.predict([other.row()], f"{name} at its most probable size")[0]
+        slopes, spread = jacobian(other, middle, left_open), structural(other, middle, LOCAL)
+        there = np.isfinite(slopes).all(axis=1)
+        found[name] = replace(
+            found[name], jacobian=np.where(there[:, None], slopes, library.jacobian),
+            structural=np.where(there[:, None] & there[None, :], spread, library.structural))
+    return replace(library, responses=found)
 
 
 def structural(simulation: Simulation, baseline: np.ndarray, members: int) -> np.ndarray:
