@@ -8,11 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 from handgen.bending import opposition
 from handgen.errors import EngineError
+from handgen.plugins import entry_points
 from handgen.simulation.case import Case, Curve
 
 GROUP = "handgen.solvers"

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from importlib import import_module
-from importlib.metadata import entry_points
 from typing import Any, NamedTuple
 
 from handgen.effects.effect import Effect
 from handgen.errors import EngineError
 from handgen.parameters.fault import Fault, Path, nearest
+from handgen.plugins import entry_points
 
 GROUP = "handgen.effects"
 """Entry points of this group are effects: an instance of `Effect`, under its id."""

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -111,6 +112,7 @@ def stable_up_to(law: Law, strain: float) -> float:
     return found[0].stretch - 1 if found else strain
 
 
+@lru_cache(maxsize=256)
 def reason(law: Law, strain: float) -> str | None:
     """Why `law` is no possible material up to nominal strain `strain`; None if it is stable.
 
