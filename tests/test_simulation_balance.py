@@ -35,13 +35,16 @@ def test_states_are_in_balance_by_other_means(part, arguments):
     assert more.unbalanced > 3 * LIMIT
 
 
-def test_with_friction_no_more_than_what_the_solver_lets_rub():
-    """It takes the normal forces that the step's predictor expects: those bound the friction."""
-    one = case("assembly", friction=0.3, orientation="weightless")
+@pytest.mark.parametrize("pressures", [[0.025], [0.01, 0.02, 0.03]])
+def test_friction_rests_on_the_normal_forces_of_the_state_itself(pressures):
+    """However long the steps: `Judge` lets each point rub by mu times what presses on it now."""
+    one = case("assembly", friction=0.8)
     system = System(one)
     solver, judge = Solver(system), Judge(one)
-    point, there = solver.advance(solver.begin(), Load(0.0, 0.025, 0.0))
-    assert there
-    found = state(system, point)
-    assert judge.judge(found.positions, found.pressure, rubbing=system.rubbing).unbalanced < LIMIT
-    assert judge.judge(found.positions, found.pressure, rubbing=0 * system.rubbing).unbalanced > 30 * LIMIT
+    point = solver.begin()
+    for pressure in pressures:
+        point, there = solver.advance(point, Load(1.0, pressure, 0.0))
+        assert there
+        found = state(system, point)
+        assert judge.judge(found.positions, found.pressure).unbalanced < LIMIT
+    assert judge.judge(found.positions, found.pressure, rubbing=0 * system.normal).unbalanced > 30 * LIMIT

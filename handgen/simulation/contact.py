@@ -48,6 +48,18 @@ def onset(gap, stiffness, soft):
 
 
 @njit(cache=True)
+def stiffness_between(gap, slope, curve, force, stiffness, soft):
+    """Slope of the chord of `onset`, (W', W'') = (slope, curve) at `gap`, to where it pushes with `force`.
+
+    Where the iterates' forces are known better than their gaps, as Newton's are, the chord leads to the gap
+    that goes with the force: along the tangent a parabola's root is reached by halves only.
+    """
+    deep = force / stiffness + soft if force > stiffness * soft else 2 * np.sqrt(soft * force / stiffness)
+    apart = -gap - deep
+    return curve if abs(apart) < 1e-8 else (-slope - force) / apart
+
+
+@njit(cache=True)
 def radius_at(pieces, x):
     """(r, r', r'') of a piecewise cubic; level beyond its ends."""
     n = len(pieces)
@@ -131,14 +143,17 @@ def scatter_pair(share, fe, ke, dofs, place, force, matrix):
 
 @njit(cache=True)
 def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high, pivot, origin, angle, states,
-                friction, anchors, normal, lagged, pressed, dragged, exact, grip, dofs, place, force, matrix):
+                friction, anchors, normal, pressed, dragged, stiff, lever, press, exact, grip, dofs, place, force, matrix):
     """Add all pairs' forces and tangent; returns their energy.
 
     nodes, shares (k, 2), bodies, kinds, area (k,): pairs of a point and a bone, what of the bone it meets,
     mm2 for it; pieces: of the bore; low, high (b,): where each bone ends; anchors (k,) where friction's bonds
-    are fixed, NaN: nowhere. Writes the normal forces `normal` (k,), N; `lagged` are those that rub, `pressed`
-    the extrapolated ones, which the geometric stiffness takes unless `exact`, as `dragged` are the bonds'
-    extrapolated directions; grip, mm: surfaces count as so much closer than they are.
+    are fixed, NaN: nowhere; pressed: the extrapolated normal forces, N, which the stiffness takes unless
+    `exact`, as `dragged` are the bonds' extrapolated directions; grip, mm: surfaces count as so much closer
+    than they are. Writes the normal forces `normal` (k,), N, their slopes `stiff` (k,), N/mm, with respect to
+    the gap, and what the tangent lacks, being symmetric: friction that follows the normal force, the sum of
+    lever x press of all pairs (k, 9): friction's force on the unknowns for a normal force of 1, and the
+    normal force's derivative with respect to them.
     """
     s, slope, g, step, at = np.empty(3), np.empty((3, 6)), np.empty(3), np.empty(6), np.empty(3)
     fe, ke = np.empty((2, 3)), np.empty((6, 6))
@@ -146,6 +161,8 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
     for e in range(len(nodes)):
         b = bodies[e]
         normal[e] = 0.0
+        lever[e] = 0.0
+        press[e] = 0.0
         between(x, nodes[e], shares[e], at)
         seen(at, pivot[b], origin[b], angle[b], states[b], s, slope)
         ke[:] = 0.0
@@ -154,6 +171,9 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
         if kinds[e] == FACE:
             gap = high[b] - s[0]
             w, w1, w2 = onset(gap - grip, PENALTY * area[e], SOFT)
+            if not exact:
+                w2 = stiffness_between(gap - grip, w1, w2, pressed[e], PENALTY * area[e], SOFT)
+            stiff[e] = w2
             if w2 > 0.0:
                 touched = True
                 energy += w
@@ -167,6 +187,9 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
             r, d, c = bore_at(pieces, s[0], low[b], high[b], RIM)
             gap = r - rho
             w, w1, w2 = onset(gap - grip, PENALTY * area[e], SOFT)
+            if not exact:
+                w2 = stiffness_between(gap - grip, w1, w2, pressed[e], PENALTY * area[e], SOFT)
+            stiff[e] = w2
             if w2 > 0.0:
                 touched = True
                 energy += w
@@ -185,19 +208,20 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
                             * (g[1] * slope[1, j] + g[2] * slope[2, j]) / rho
                             - (slope[1, i] * slope[1, j] + slope[2, i] * slope[2, j]) / q)
                 add_turning(slope, bent * g[0], bent * g[2], ke)
-            if lagged[e] > 0.0 and friction > 0.0 and not np.isnan(anchors[e]):
-                touched = True
+            if friction > 0.0 and touched and not np.isnan(anchors[e]):
                 way = s[0] - anchors[e]
                 root = np.sqrt(way * way + STICK * STICK)
-                energy += friction * lagged[e] * (root - STICK)
-                along = way / root if exact else dragged[e]
-                f1 = friction * lagged[e] * way / root
-                f2 = friction * lagged[e] / root * (1.0 - along * way / root)
+                along, rubs = (way / root, normal[e]) if exact else (dragged[e], pressed[e])
+                f2 = friction * rubs / root * (1.0 - along * way / root)
                 for i in range(6):
-                    fe[i // 3, i % 3] += f1 * slope[0, i]
+                    fe[i // 3, i % 3] += friction * normal[e] * way / root * slope[0, i]
                     for j in range(6):
                         ke[i, j] += f2 * slope[0, i] * slope[0, j]
-                add_turning(slope, f1, 0.0, ke)
+                add_turning(slope, friction * rubs * way / root, 0.0, ke)
+                for a in range(9):
+                    i, own = (a % 3, shares[e, a // 3]) if a < 6 else (a - 3, 1.0)
+                    lever[e, a] = own * friction * way / root * slope[0, i]
+                    press[e, a] = -own * w2 * step[i]
         if touched:
             scatter_pair(shares[e], fe, ke, dofs[e], place[e], force, matrix)
     return energy
@@ -229,7 +253,7 @@ def add_bonds(x, nodes, shares, bodies, area, rest, pivot, origin, angle, states
 
 @njit(cache=True)
 def extrapolate_contact(x, moved, turned, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
-                        pivot, origin, angle, states, anchors, pressed, dragged):
+                        pivot, origin, angle, states, anchors, stiff, pressed, dragged):
     """Write the normal forces after the nodes' step `moved` (N, 3) and the bones' `turned` (b, 3), to first
     order, never below 0, and the directions of friction's bonds, -1 to 1."""
     s, slope, step, at = np.empty(3), np.empty((3, 6)), np.empty(6), np.empty(3)
@@ -247,8 +271,8 @@ def extrapolate_contact(x, moved, turned, nodes, shares, bodies, kinds, area, sw
             gap = r - rho
             grown = d * np.sum(slope[0] * step) - (
                 s[1] * np.sum(slope[1] * step) + s[2] * np.sum(slope[2] * step)) / (rho * swell**2)
-        _, w1, w2 = onset(gap, PENALTY * area[e], SOFT)
-        pressed[e] = max(0.0, -w1 - w2 * grown)
+        _, w1, _ = onset(gap, PENALTY * area[e], SOFT)
+        pressed[e] = max(0.0, -w1 - stiff[e] * grown)
         if not np.isnan(anchors[e]):
             way = s[0] - anchors[e]
             root = np.sqrt(way * way + STICK * STICK)

@@ -26,8 +26,11 @@ LEAST_FORCE = 1e-3
 """N; what an acting force counts at least."""
 ITERATIONS, MOST_ITERATIONS = 12, 24
 """Of Newton; beyond the first number only while the residual falls to a quarter in two of them."""
-HOPELESS, LATE = 1e9, 8
+HOPELESS, LATE = 1e9, 12
 """A residual beyond which Newton does not come back; from iteration LATE on it must be below 1."""
+COUPLED, SOLUTIONS = 1e-3, 30
+"""Error of a step relative to the step, up to which friction's part of the equations is solved, and the
+solutions with the symmetric part's factor that it may take."""
 TURN = 0.15
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES = 4
@@ -96,7 +99,7 @@ class Solver:
         s.assemble(point.q, point.load, exact=True)
         s.extrapolate(point.q, np.zeros_like(point.q))
         # Surfaces that just touch would let the first predictor pass through them: half of it they hold.
-        s.grip = SOFT
+        s.grip = 2 * SOFT
         _, _, values, _ = s.assemble(point.q, point.load, exact=False)
         s.grip = 0.0
         return point if self._factorise(values) else None
@@ -151,15 +154,13 @@ class Solver:
         _, force, _, _ = s.assemble(q, load, exact=True)
         change = np.subtract(load.parts, point.load.parts)
         size = float(np.abs(change / STEPS.parts).max())
-        first = -self.matrix.solve(force)
+        first = self._solve(-force)
         step, slope, direction = first, first / size, tuple(np.sign(change))
         if self._slope is not None and self._slope[2] == direction:
             before, length, _ = self._slope
             step = first + (slope - before) / length * size**2 / 2
         # What bends a step keeps lengths as rotations change them: it strains nothing to first order.
         s.extrapolate(q, first)
-        # Friction takes the normal forces that the predictor expects: known through the whole step.
-        s.rubbing[:] = s.pressed
         found = self._newton(q + step, load)
         if found is not None:
             new, residual, iterations, values = found
@@ -199,7 +200,7 @@ class Solver:
                 self.cost.indefinite += 1
                 if drag is not None or self.matrix.indefinite(values) > NEGATIVES:
                     return None
-            step = -self.matrix.solve(force)
+            step = self._solve(-force)
             turn = np.abs(step[s.turns]).max(initial=0.0)
             if turn > TURN:
                 step *= TURN / turn
@@ -211,7 +212,6 @@ class Solver:
         """The stable state that a drag, let go little by little, leads to from `q`."""
         s = self.system
         centre, strength, untried = q, DRAG, True
-        s.rubbing[:] = s.normal
         for _ in range(RELAXATIONS):
             s.assemble(centre, load, exact=True)
             s.extrapolate(centre, np.zeros_like(centre))
@@ -239,6 +239,19 @@ class Solver:
     def _factorise(self, values: np.ndarray) -> bool:
         self.cost.factorisations += 1
         return self.matrix.factorise(values)
+
+    def _solve(self, force: np.ndarray) -> np.ndarray:
+        """What `force` moves, by the factorised tangent and by friction's part, which is not symmetric.
+
+        The factor preconditions: half a dozen solutions with it do.
+        """
+        s, found = self.system, self.matrix.solve(force)
+        if not s.rubs:
+            return found
+        from scipy.sparse.linalg import LinearOperator, gmres
+
+        moved = LinearOperator((s.size, s.size), lambda step: step + self.matrix.solve(s.couple(step)))
+        return gmres(moved, found, rtol=COUPLED, restart=SOLUTIONS, maxiter=1)[0]
 
     def _acting(self, load: Load) -> float:
         """The largest acting force on an unknown, N: what the residual is measured against."""

@@ -275,7 +275,8 @@ class System:
         self.normal = np.zeros(len(self.pair_nodes))
         self.pressed = np.zeros(len(self.pair_nodes))
         self.dragged = np.zeros(len(self.pair_nodes))
-        self.rubbing = np.zeros(len(self.pair_nodes))
+        self.pair_stiffness = np.zeros(len(self.pair_nodes))
+        self.lever, self.press = np.zeros((2, len(self.pair_nodes), 9))
         self.grip = 0.0
         self.plane_points, self.plane_bodies, self.plane_areas = self._plane()
 
@@ -365,8 +366,8 @@ class System:
             energy += contact.add_contact(
                 x, *self._points, self.pair_kinds, self.pair_areas,
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
-                self.case.contact.friction, self.anchors, self.normal, self.rubbing, self.pressed,
-                self.dragged, exact, self.grip, *self.groups["pairs"], force, matrix)
+                self.case.contact.friction, self.anchors, self.normal, self.pressed, self.dragged,
+                self.pair_stiffness, self.lever, self.press, exact, self.grip, *self.groups["pairs"], force, matrix)
         if len(self.plane_points):
             level = -self.case.finger.outer(0.0) - self.case.obstacle
             what = (self.plane_points, self.plane_bodies, self.plane_areas, level, *self._bone_arrays[2:],
@@ -515,7 +516,22 @@ class System:
             contact.extrapolate_contact(
                 x, moved, turned, *self._points, self.pair_kinds, self.pair_areas,
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
-                self.anchors, self.pressed, self.dragged)
+                self.anchors, self.pair_stiffness, self.pressed, self.dragged)
+
+    @property
+    def rubs(self) -> bool:
+        """Whether any friction acts, and with it what `couple` gives."""
+        return bool(self.lever.any())
+
+    def couple(self, step: np.ndarray) -> np.ndarray:
+        """How friction changes after `step`, to first order, because normal forces do: N, where `assemble`
+        was last. Not symmetric, and no part of its matrix."""
+        at = np.flatnonzero(self.lever.any(axis=1))
+        dofs = self.groups["pairs"][0][at]
+        dofs = np.where(dofs < 0, self.size, dofs)
+        pressed = (self.press[at] * np.append(step, 0.0)[dofs]).sum(axis=1)
+        rubbed = self.lever[at] * pressed[:, None]
+        return np.bincount(dofs.ravel(), rubbed.ravel(), self.size + 1)[:-1]
 
     def accept(self, q: np.ndarray) -> None:
         """Friction's bonds follow an accepted state."""
