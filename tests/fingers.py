@@ -31,14 +31,16 @@ def stiffness(system: System, values: np.ndarray):
 
 
 def assembler(system: System, load: Load):
-    """q -> (energy, force, stiffness with what friction adds to it) as `small_solids.slope_error` takes them."""
+    """q -> (energy, force, stiffness and friction's part) as `small_solids.slope_error` takes them."""
     from scipy.sparse.linalg import LinearOperator, aslinearoperator
 
     def assemble(q):
         energy, force, values, least = system.assemble(q, load, exact=True)
         assert least > 0, "an element is turned inside out"
-        coupled = LinearOperator((system.size, system.size), system.couple)
-        return energy, force, aslinearoperator(stiffness(system, values)) + coupled
+        tangent, friction = aslinearoperator(stiffness(system, values)), system.coupling()
+        if friction:
+            tangent = tangent + LinearOperator(tangent.shape, friction)
+        return energy, force, tangent
 
     return assemble
 

@@ -7,11 +7,16 @@ bone's bore. The gap costs the energy area W(g) with a stiffness PENALTY and a r
 SOFT; its Hessian is exact, in the point's three coordinates and the bone's three unknowns: the list of pairs,
 and with it the matrix's pattern, never changes. Points lie between two nodes each (`mesh.ActuatorMesh`).
 
+Newton, on the way to balance, knows forces better than gaps: the linear equations are in balance with the
+extrapolated ones. The stiffness of a pair is therefore that of the chord from its gap to the gap that goes
+with its extrapolated force (`met`); where the two meet, it is the tangent's.
+
 Friction acts along the axis: an elastic bond of stick length STICK that is dragged along once it is
-stretched (P. R. Dahl, 1968): energy mu N (sqrt(d^2 + STICK^2) - STICK) with d the way of s_x from the
-anchor and N the normal force of the iterate before, so that the tangent stays symmetric. Newton rattles
-on such a knee: the bond's direction, way / root, is therefore extrapolated like a stress (T. F. Chan, G. H.
-Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977, do the same for |x| in images).
+stretched (P. R. Dahl, 1968): force mu N d / root, root = sqrt(d^2 + STICK^2), with d the way of s_x from the
+anchor and N the normal force. Newton rattles on such a knee: the bond's direction, d / root, is therefore
+extrapolated like a stress (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977, do
+the same for |x| in images). As N follows the gap, friction has no energy and its tangent no symmetry: what is
+symmetric goes into the matrix, the rest is given apart (`lever`, `press`).
 """
 
 from __future__ import annotations
@@ -48,15 +53,16 @@ def onset(gap, stiffness, soft):
 
 
 @njit(cache=True)
-def stiffness_between(gap, slope, curve, force, stiffness, soft):
-    """Slope of the chord of `onset`, (W', W'') = (slope, curve) at `gap`, to where it pushes with `force`.
+def met(gap, stiffness, soft, force, exact):
+    """(W, W', slope of the chord of `onset` from `gap` to where it pushes with `force`), or W'' if `exact`.
 
-    Where the iterates' forces are known better than their gaps, as Newton's are, the chord leads to the gap
-    that goes with the force: along the tangent a parabola's root is reached by halves only.
+    Where forces are known better than gaps, the chord leads to the gap that goes with the force; along the
+    tangent a parabola's root is reached by halves only.
     """
+    w, w1, w2 = onset(gap, stiffness, soft)
     deep = force / stiffness + soft if force > stiffness * soft else 2 * np.sqrt(soft * force / stiffness)
     apart = -gap - deep
-    return curve if abs(apart) < 1e-8 else (-slope - force) / apart
+    return w, w1, w2 if exact or abs(apart) < 1e-8 else (-w1 - force) / apart
 
 
 @njit(cache=True)
@@ -126,6 +132,18 @@ def between(x, nodes, share, point):
 
 
 @njit(cache=True)
+def rub(friction, now, bend, along, normal, rubs, slope, fe, ke):
+    """Add the force of a bond of direction `now` and its symmetric tangent: `bend` 1/root; `along`, `rubs`:
+    direction and normal force that the tangent takes."""
+    stiff = friction * rubs * bend * (1.0 - along * now)
+    for i in range(6):
+        fe[i // 3, i % 3] += friction * normal * now * slope[0, i]
+        for j in range(6):
+            ke[i, j] += stiff * slope[0, i] * slope[0, j]
+    add_turning(slope, friction * rubs * now, 0.0, ke)
+
+
+@njit(cache=True)
 def scatter_pair(share, fe, ke, dofs, place, force, matrix):
     """Add a pair's forces (2, 3), on point and bone, and stiffness (6, 6) to its two nodes and its bone."""
     for a in range(9):
@@ -143,8 +161,9 @@ def scatter_pair(share, fe, ke, dofs, place, force, matrix):
 
 @njit(cache=True)
 def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high, pivot, origin, angle, states,
-                friction, anchors, normal, pressed, dragged, stiff, lever, press, exact, grip, dofs, place, force, matrix):
-    """Add all pairs' forces and tangent; returns their energy.
+                friction, anchors, normal, pressed, dragged, stiff, lever, press, exact, grip, dofs, place,
+                force, matrix):
+    """Add all pairs' forces and tangent; returns the energy of the gaps.
 
     nodes, shares (k, 2), bodies, kinds, area (k,): pairs of a point and a bone, what of the bone it meets,
     mm2 for it; pieces: of the bore; low, high (b,): where each bone ends; anchors (k,) where friction's bonds
@@ -170,9 +189,7 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
         touched = False
         if kinds[e] == FACE:
             gap = high[b] - s[0]
-            w, w1, w2 = onset(gap - grip, PENALTY * area[e], SOFT)
-            if not exact:
-                w2 = stiffness_between(gap - grip, w1, w2, pressed[e], PENALTY * area[e], SOFT)
+            w, w1, w2 = met(gap - grip, PENALTY * area[e], SOFT, pressed[e], exact)
             stiff[e] = w2
             if w2 > 0.0:
                 touched = True
@@ -186,9 +203,7 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
             rho = np.sqrt(s[1] * s[1] + s[2] * s[2]) / swell
             r, d, c = bore_at(pieces, s[0], low[b], high[b], RIM)
             gap = r - rho
-            w, w1, w2 = onset(gap - grip, PENALTY * area[e], SOFT)
-            if not exact:
-                w2 = stiffness_between(gap - grip, w1, w2, pressed[e], PENALTY * area[e], SOFT)
+            w, w1, w2 = met(gap - grip, PENALTY * area[e], SOFT, pressed[e], exact)
             stiff[e] = w2
             if w2 > 0.0:
                 touched = True
@@ -208,16 +223,11 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
                             * (g[1] * slope[1, j] + g[2] * slope[2, j]) / rho
                             - (slope[1, i] * slope[1, j] + slope[2, i] * slope[2, j]) / q)
                 add_turning(slope, bent * g[0], bent * g[2], ke)
-            if friction > 0.0 and touched and not np.isnan(anchors[e]):
+            if touched and friction > 0.0 and not np.isnan(anchors[e]):
                 way = s[0] - anchors[e]
                 root = np.sqrt(way * way + STICK * STICK)
                 along, rubs = (way / root, normal[e]) if exact else (dragged[e], pressed[e])
-                f2 = friction * rubs / root * (1.0 - along * way / root)
-                for i in range(6):
-                    fe[i // 3, i % 3] += friction * normal[e] * way / root * slope[0, i]
-                    for j in range(6):
-                        ke[i, j] += f2 * slope[0, i] * slope[0, j]
-                add_turning(slope, friction * rubs * way / root, 0.0, ke)
+                rub(friction, way / root, 1.0 / root, along, normal[e], rubs, slope, fe, ke)
                 for a in range(9):
                     i, own = (a % 3, shares[e, a // 3]) if a < 6 else (a - 3, 1.0)
                     lever[e, a] = own * friction * way / root * slope[0, i]

@@ -245,12 +245,13 @@ class Solver:
 
         The factor preconditions: half a dozen solutions with it do.
         """
-        s, found = self.system, self.matrix.solve(force)
-        if not s.rubs:
+        found, friction = self.matrix.solve(force), self.system.coupling()
+        if friction is None:
             return found
         from scipy.sparse.linalg import LinearOperator, gmres
 
-        moved = LinearOperator((s.size, s.size), lambda step: step + self.matrix.solve(s.couple(step)))
+        size = len(force)
+        moved = LinearOperator((size, size), lambda step: step + self.matrix.solve(friction(step)))
         return gmres(moved, found, rtol=COUPLED, restart=SOLUTIONS, maxiter=1)[0]
 
     def _acting(self, load: Load) -> float:

@@ -1,12 +1,13 @@
 """The finger as one system of equations: bodies, unknowns, energy, out-of-balance force and tangent.
 
 Unknowns: three displacements of every free node (two in the plane of symmetry) and three of every rigid
-bone (dx, dz, flexion). Everything but friction's lagged normal force is the derivative of one energy, so the
-tangent is symmetric, and positive definite where the state is stable.
+bone (dx, dz, flexion). Everything but friction is the derivative of one energy, so the tangent is symmetric,
+and positive definite where the state is stable; what friction takes from that is given apart (`coupling`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
@@ -367,7 +368,8 @@ class System:
                 x, *self._points, self.pair_kinds, self.pair_areas,
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
                 self.case.contact.friction, self.anchors, self.normal, self.pressed, self.dragged,
-                self.pair_stiffness, self.lever, self.press, exact, self.grip, *self.groups["pairs"], force, matrix)
+                self.pair_stiffness, self.lever, self.press, exact, self.grip,
+                *self.groups["pairs"], force, matrix)
         if len(self.plane_points):
             level = -self.case.finger.outer(0.0) - self.case.obstacle
             what = (self.plane_points, self.plane_bodies, self.plane_areas, level, *self._bone_arrays[2:],
@@ -518,20 +520,20 @@ class System:
                 self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
                 self.anchors, self.pair_stiffness, self.pressed, self.dragged)
 
-    @property
-    def rubs(self) -> bool:
-        """Whether any friction acts, and with it what `couple` gives."""
-        return bool(self.lever.any())
-
-    def couple(self, step: np.ndarray) -> np.ndarray:
-        """How friction changes after `step`, to first order, because normal forces do: N, where `assemble`
-        was last. Not symmetric, and no part of its matrix."""
+    def coupling(self) -> Callable[[np.ndarray], np.ndarray] | None:
+        """How friction, N, changes after a step because normal forces do, to first order, from where
+        `assemble` was last: not symmetric, and no part of its matrix. None where nothing rubs."""
         at = np.flatnonzero(self.lever.any(axis=1))
-        dofs = self.groups["pairs"][0][at]
+        if not len(at):
+            return None
+        dofs, lever, press = self.groups["pairs"][0][at], self.lever[at], self.press[at]
         dofs = np.where(dofs < 0, self.size, dofs)
-        pressed = (self.press[at] * np.append(step, 0.0)[dofs]).sum(axis=1)
-        rubbed = self.lever[at] * pressed[:, None]
-        return np.bincount(dofs.ravel(), rubbed.ravel(), self.size + 1)[:-1]
+
+        def follow(step: np.ndarray) -> np.ndarray:
+            pressed = (press * np.append(step, 0.0)[dofs]).sum(axis=1)
+            return np.bincount(dofs.ravel(), (lever * pressed[:, None]).ravel(), self.size + 1)[:-1]
+
+        return follow
 
     def accept(self, q: np.ndarray) -> None:
         """Friction's bonds follow an accepted state."""
