@@ -114,6 +114,7 @@ def svg(figure) -> str:
     text = text[text.index("<svg") :]
     for name, colour in MARKS.items():
         text = text.replace(colour, f"var(--{name})")
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     head, rest = text.split(">", 1)
     return re.sub(r' (width|height)="[^"]*"', "", head) + ' role="img">' + rest
 
@@ -159,7 +160,7 @@ def _residuals(axis, curve: dict[str, Any], shown: list[str], colours: dict[str,
         off = [None if v is None or m is None else v - m for v, m in zip(curve[state], means, strict=True)]
         axis.plot(
             *_pairs(loads, off),
-            "o-",
+            marker="o",
             color=colours[state],
             linestyle=DASHES[state],
             markersize=3.5,

@@ -34,7 +34,7 @@ SHRINK = 0.1
 """Share of the ensemble's correlations that is not believed: it has few members."""
 FEW = 8
 """Fingers within tolerance, where a test is only to be chosen."""
-LOCAL = 12
+LOCAL = 16
 """The same, with an effect on."""
 SEEN = 1e-6
 """Shares of a reading below which an effect does nothing."""

@@ -1,0 +1,131 @@
+"""`handgen diagnose` from a measurements file to its page, with a solver in closed form."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from handgen.bending.comparison import asked, observed
+from handgen.bending.model import load_model
+from handgen.cli import main
+from handgen.discrepancy import worker
+from handgen.measurements.load import load_measurements
+from tests.quick_bends import curve
+
+COIMBRA = Path("params/measurements/coimbra_index.yaml").resolve()
+KEYS = {"schema", "verdict", "effects", "candidates", "where", "gap", "next_test", "model", "flags"}
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch, tmp_path):
+    monkeypatch.setenv("HANDGEN_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(worker, "solve", lambda asked: type("Bend", (), {"curve": curve(asked.case)}))
+
+
+def campaign(folder, share, seed=0, spoil=None):
+    """The source's tests as a finger of which so much own weight acts would have read them."""
+    measured = load_measurements(COIMBRA)
+    model = load_model("calibrated")[0]
+    model = model.model_copy(update={"own_weight": model.own_weight.model_copy(update={"assembly": share})})
+    rng = np.random.default_rng(seed)
+    data = yaml.safe_load(COIMBRA.read_text())
+    data["hand"] = str(COIMBRA.parent / data["hand"])
+    data["tests"] = data["tests"][:3]
+    for test in data["tests"]:
+        mine = measured.test(test["id"])
+        true = np.array(observed(mine, curve(asked(measured, mine, model).case)))
+        rows = np.round(2 * (true + 0.4 * rng.standard_normal((3, len(true))))) / 2
+        test |= {"repeats": rows.tolist(), "held_out": False}
+        test.pop("fit_up_to", None)
+    if spoil:
+        spoil(data)
+    (folder / "lab.yaml").write_text(yaml.safe_dump(data))
+    weightless = yaml.safe_load(Path("params/models/calibrated.yaml").read_text())
+    weightless |= {"name": "weightless", "own_weight": {"assembly": 0}}
+    (folder / "weightless.yaml").write_text(yaml.safe_dump(weightless))
+    return folder / "lab.yaml", folder / "weightless.yaml"
+
+
+def diagnose(capsys, measurements, model, out):
+    code = main(["diagnose", str(measurements), "--model", str(model), "--out", str(out), "--workers", "1", "--json"])
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_own_weight_that_a_model_lacks_is_named_added_and_closes_the_gap(tmp_path, capsys):
+    code, found = diagnose(capsys, *campaign(tmp_path, 1.0), tmp_path / "out")
+    assert code == 1 and set(found) >= KEYS
+    assert found["verdict"] == "named"
+    (effect,) = found["effects"]
+    assert effect["id"] == "own_weight" and effect["probability"] >= 0.9 and "own weight" in effect["sentence"]
+    (share,) = effect["parameters"]
+    assert share["low"] <= 1.0 <= share["high"] and share["unit"] == "1"
+    assert sum(c["probability"] for c in found["candidates"]) == pytest.approx(1.0)
+    assert {"none", "outside", "own_weight"} <= {c["id"] for c in found["candidates"]}
+    gap = found["gap"]
+    assert gap["unit"] == "mm" and gap["held_out"]["patched"] < 0.3 * gap["held_out"]["before"]
+    assert gap["held_out"]["patched"] < gap["held_out"]["retuned"]
+    assert found["next_test"] is None
+    assert any("own_weight" in flag for flag in found["flags"])
+
+
+def test_the_folder_holds_a_model_that_bends_and_a_page_that_stands_alone(tmp_path, capsys):
+    _, found = diagnose(capsys, *campaign(tmp_path, 1.0), tmp_path / "out")
+    model = load_model(found["model"])[0]
+    assert [one.id for one in model.effects] == ["own_weight"]
+    assert "own_weight.share" in " ".join(model.assumed)
+    assert json.loads((tmp_path / "out" / "diagnosis.json").read_text()) == found
+    page = (tmp_path / "out" / "diagnosis.html").read_text()
+    assert found["effects"][0]["sentence"] in page and page.count("<svg") == 3
+    assert "prefers-color-scheme: dark" in page and "http" not in page.replace("http://www.w3.org/", "")
+    assert "<script" not in page and "src=" not in page
+    measured = load_measurements(tmp_path / "lab.yaml")
+    test = measured.test("assembly-pressure")
+    again = observed(test, curve(asked(measured, test, model).case))
+    shown = next(c for c in found["curves"] if c["test"] == test.id)["patched"]
+    zero, gauge = found["patched"]["zero assembly tip_drop"], found["patched"]["gauge"]
+    assert np.abs(np.array(again) + zero - shown).max() < 0.3 + 1.2 * abs(gauge)
+
+
+def test_nothing_missing_is_exit_0_and_names_nothing(tmp_path, capsys):
+    measurements, _ = campaign(tmp_path, 1.0)
+    code, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
+    assert (code, found["verdict"], found["effects"]) == (0, "none", [])
+    assert load_model(found["model"])[0].effects == []
+
+
+def test_a_spoilt_repeat_is_flagged_and_the_name_stays(tmp_path, capsys):
+    def spoil(data):
+        data["tests"][2]["repeats"][1] = [r + 5.0 for r in data["tests"][2]["repeats"][1]]
+
+    _, found = diagnose(capsys, *campaign(tmp_path, 1.0, spoil=spoil), tmp_path / "out")
+    assert any("outlying repeat: assembly-pressure, repeat 2" in flag for flag in found["flags"])
+    assert [one["id"] for one in found["effects"]] == ["own_weight"]
+
+
+def test_what_was_solved_is_not_solved_again(tmp_path, capsys, monkeypatch):
+    from handgen.bending import cache, solvers
+
+    def kept(asked):
+        found = curve(asked.case)
+        cache.write(cache.key(asked.case, solvers.solver(asked.solver)), found)
+        return type("Bend", (), {"curve": found})
+
+    monkeypatch.setattr(worker, "solve", kept)
+    files = campaign(tmp_path, 1.0)
+    _, first = diagnose(capsys, *files, tmp_path / "out")
+    _, second = diagnose(capsys, *files, tmp_path / "out")
+    assert first["bends_solved"] > 100 and second["bends_solved"] == 0
+    assert {**first, "bends_solved": 0} == second
+
+
+def test_all_held_out_and_unknown_models_are_bad_input(tmp_path, capsys):
+    def hold(data):
+        data["tests"] = [{**data["tests"][2], "held_out": True, "repeats": [[1.0] + [None] * 5]}]
+
+    measurements, model = campaign(tmp_path, 1.0, spoil=hold)
+    assert main(["diagnose", str(measurements), "--model", str(model), "--out", str(tmp_path / "out")]) == 2
+    assert main(["diagnose", str(measurements), "--model", "thesys", "--out", str(tmp_path / "out")]) == 2
+    assert "thesis" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
