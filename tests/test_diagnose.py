@@ -49,7 +49,8 @@ def campaign(folder, share, seed=0, spoil=None):
 
 
 def diagnose(capsys, measurements, model, out):
-    code = main(["diagnose", str(measurements), "--model", str(model), "--out", str(out), "--workers", "1", "--json"])
+    code = main(["diagnose", str(measurements), "--model", str(model), "--out", str(out), "--workers", "1",
+                 "--json"])
     return code, json.loads(capsys.readouterr().out)
 
 
@@ -58,7 +59,8 @@ def test_own_weight_that_a_model_lacks_is_named_added_and_closes_the_gap(tmp_pat
     assert code == 1 and set(found) >= KEYS
     assert found["verdict"] == "named"
     (effect,) = found["effects"]
-    assert effect["id"] == "own_weight" and effect["probability"] >= 0.9 and "own weight" in effect["sentence"]
+    assert effect["id"] == "own_weight" and effect["probability"] >= 0.9
+    assert "own weight" in effect["sentence"]
     (share,) = effect["parameters"]
     assert share["low"] <= 1.0 <= share["high"] and share["unit"] == "1"
     assert sum(c["probability"] for c in found["candidates"]) == pytest.approx(1.0)

@@ -16,7 +16,8 @@ def measured():
 
 def of(measured, name, **changes):
     model = load_model(name)[0].model_copy(update=changes)
-    return {(one.check, one.effect): one for one in findings(model, measured.hand.hand, measured.measurements)}
+    found = findings(model, measured.hand.hand, measured.measurements)
+    return {(one.check, one.effect): one for one in found}
 
 
 def test_the_source_s_convention_is_found_wrong_behind_the_set_that_was_tuned_from_it(measured):

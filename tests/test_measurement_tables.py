@@ -12,7 +12,9 @@ from handgen.measurements.load import load_measurements
 from handgen.measurements.wide import import_table
 
 HAND = Path("params/adult.yaml").resolve()
-TABLE = """id,part,load.quantity,observable.quantity,orientation,path,resolution,sensor.pressure_sigma,held_out,0,20,40,60
+HEAD = ("id,part,load.quantity,observable.quantity,orientation,path,resolution,sensor.pressure_sigma,held_out,"
+        "0,20,40,60")
+TABLE = HEAD + """
 up,assembly,pressure,tip_drop,palm_down,loading,0.5,3.5,false,38.5,61,74,81.5
 up,assembly,pressure,tip_drop,palm_down,loading,0.5,3.5,false,40,,75,81.5
 down,assembly,pressure,tip_drop,palm_down,unloading,0.5,,yes,41,64,76,
@@ -62,8 +64,8 @@ def test_what_is_wrong_is_said_by_line_and_nothing_is_written(tmp_path, line, pa
 
 def test_the_verb_writes_a_file_that_can_be_read(tmp_path, capsys):
     (tmp_path / "lab.csv").write_text(TABLE)
-    arguments = ["measurements", "import", str(tmp_path / "lab.csv"), "--hand", str(HAND), "--out", str(tmp_path)]
-    assert main([*arguments, "--name", "our lab", "--json"]) == 0
+    arguments = ["measurements", "import", str(tmp_path / "lab.csv"), "--hand", str(HAND)]
+    assert main([*arguments, "--out", str(tmp_path), "--name", "our lab", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     data = yaml.safe_load(Path(said["file"]).read_text())
     assert said["tests"] == ["up", "down", "free"] and data["name"] == "our lab"

@@ -132,7 +132,8 @@ def _flags(d: dict[str, Any]) -> Iterator[str]:
         yield "<h2>Noticed on the way</h2><ul>"
         yield from (f"<li>{escape(flag)}</li>" for flag in d["flags"])
         yield "</ul>"
-    yield '<p class="quiet">Beside this page: <code>model.yaml</code>, for <code>handgen bend --model</code>.</p>'
+    yield ('<p class="quiet">Beside this page: <code>model.yaml</code>, for <code>handgen bend '
+           "--model</code>.</p>")
 
 
 def _percent(share: float) -> str:
