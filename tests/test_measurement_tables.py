@@ -12,8 +12,8 @@ from handgen.measurements.load import load_measurements
 from handgen.measurements.wide import import_table
 
 HAND = Path("params/adult.yaml").resolve()
-HEAD = ("id,part,load.quantity,observable.quantity,orientation,path,resolution,sensor.pressure_sigma,held_out,"
-        "0,20,40,60")
+HEAD = ("id,part,load.quantity,observable.quantity,orientation,path,resolution,sensor.pressure_sigma,"
+        "held_out,0,20,40,60")
 TABLE = HEAD + """
 up,assembly,pressure,tip_drop,palm_down,loading,0.5,3.5,false,38.5,61,74,81.5
 up,assembly,pressure,tip_drop,palm_down,loading,0.5,3.5,false,40,,75,81.5
