@@ -11,8 +11,8 @@ from handgen.bending import model
 from handgen.bending.model import load_model
 from handgen.bending.request import request
 from handgen.effects import Course, catalogue
+from handgen.simulation import mesh
 from handgen.simulation.base import Base
-from handgen.simulation.mesh import actuator_mesh
 from handgen.simulation.offcentre import shifted
 from handgen.simulation.solid import simulate
 from handgen.simulation.solve import Solver
@@ -64,17 +64,46 @@ def test_wide_turns_let_the_wall_out_and_the_tip_go_less_far_at_first(plain):
     case = asked("actuator", "thread_spacing", pressures=UP, orientation="weightless", wider=2.0)
     assert case.winding.pitch == pytest.approx(4.0) and case.winding.bulge > 5.0
     found = simulate(case)
-    grown = widening(found)
-    assert grown > 2.0 * widening(simulate(asked("actuator", pressures=UP, orientation="weightless")))
+    narrow = simulate(asked("actuator", pressures=UP, orientation="weightless"))
+    assert grown(found).max() > 2.0 * grown(narrow).max()
     once, twice = (elongation("thread_spacing", wider=w) for w in (1.4, 2.0))
     moved = np.subtract([once, twice], plain)
     assert (np.abs(moved[1]) > np.abs(moved[0])).all() and (np.sign(moved[0]) == np.sign(moved[1])).all()
 
 
-def widening(found) -> float:
-    drawn = found.grids["actuator"].nodes
-    there = found.states[-1].positions["actuator"]
-    return float((np.hypot(*there[:, 1:].T) - np.hypot(*drawn[:, 1:].T)).max())
+def grown(found, state: int = -1) -> np.ndarray:
+    """How much farther from the axis each node of the actuator lies, mm."""
+    drawn, there = found.grids["actuator"].nodes, found.states[state].positions["actuator"]
+    return np.hypot(*there[:, 1:].T) - np.hypot(*drawn[:, 1:].T)
+
+
+def test_turns_that_give_do_what_turns_do_one_by_one(monkeypatch):
+    """Of a short actuator, pitch 4 less 2 mm: smeared against rings on a mesh that resolves the bulge."""
+    def moved(one) -> np.ndarray:
+        found = simulate(one)
+        nodes = found.grids["actuator"].nodes
+        wall = (nodes[:, 0] > 12) & (nodes[:, 0] < one.actuator.length - 8) & (
+            np.hypot(nodes[:, 1], nodes[:, 2]) > 0.95 * nodes[:, 2].max())
+        return np.array([[state.elongation, grown(found, i)[wall].mean()]
+                         for i, state in enumerate(found.states)])
+
+    usual, wide = (asked("actuator", "thread_spacing", finger="opposition_1", pressures=[20, 40],
+                         orientation="weightless", wider=w) for w in (1.0, 2.0))
+    smeared = moved(wide) - moved(usual)
+    fine = {"EDGE": 0.5, "END_EDGE": 0.5, "GROWTH": 1.0, "WALL": (2, 2)}
+    for name, value in fine.items():
+        monkeypatch.setattr(mesh, name, value)
+
+    def rings(self):
+        turns = np.arange(self.winding.start, self.winding.end + 1e-9, self.winding.pitch)
+        at = np.abs(self.x[:, None] - turns).argmin(axis=0)
+        s, k = np.meshgrid(at, np.arange(self.around), indexing="ij")
+        ends = np.stack([self.node(s, self.inner, k), self.node(s, self.inner, k + 1)], -1).reshape(-1, 2)
+        return ends, np.full(len(ends), self.winding.pitch)
+
+    monkeypatch.setattr(mesh._Rings, "_threads", rings)
+    one_by_one = [moved(replace(usual, winding=replace(usual.winding, pitch=pitch))) for pitch in (4.0, 2.0)]
+    assert smeared == pytest.approx(one_by_one[0] - one_by_one[1], rel=0.2)
 
 
 def test_an_actuator_off_its_centre_bends_to_its_thick_side(plain):
@@ -88,11 +117,11 @@ def test_an_actuator_off_its_centre_bends_to_its_thick_side(plain):
 
 def test_the_outside_and_the_chamber_s_size_stay_where_the_core_is_off_centre():
     one = asked("actuator", pressures=[0], orientation="weightless")
-    mesh = actuator_mesh(one.actuator, one.winding, one.held, 0)
-    moved = shifted(mesh, one.actuator, one.winding.depth, 0.4).grid.nodes - mesh.grid.nodes
-    outside = np.unique(mesh.outside)
+    drawn = mesh.actuator_mesh(one.actuator, one.winding, one.held, 0)
+    moved = shifted(drawn, one.actuator, one.winding.depth, 0.4).grid.nodes - drawn.grid.nodes
+    outside = np.unique(drawn.outside)
     assert moved[outside] == pytest.approx(0.0, abs=1e-9)
-    chamber, thread = np.unique(mesh.chamber), np.unique(mesh.threads)
+    chamber, thread = np.unique(drawn.chamber), np.unique(drawn.threads)
     assert moved[chamber] == pytest.approx(np.tile([0, 0, 0.4], (len(chamber), 1)))
     assert moved[thread] == pytest.approx(np.tile([0, 0, 0.4], (len(thread), 1)), abs=1e-9)
 

@@ -32,7 +32,7 @@ class ThreadSpacing(Effect):
     source = "Section 4.2.2: wound by hand, no pitch is given; Figure 5.8 models 44 rings"
     settle = "count the turns over 20 mm through the silicone"
     parameters = (Parameter(
-        "wider", "1", 1.0, 3.0, 1.0, Prior("lognormal", (1.6, 0.3)), "pitch over the hand's"),)
+        "wider", "1", 1.0, 2.6, 1.0, Prior("lognormal", (1.5, 0.28)), "pitch over the hand's"),)
 
     def on_case(self, case, p):
         winding = case.winding
