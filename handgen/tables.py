@@ -104,12 +104,11 @@ def validated(document: dict[str, Any], folder: str, style: Style) -> str:
         for name, model in test["models"].items():
             lines.append(_off(name, model, "gap", "fitted" if model["fitted"] else "predicted", style))
             if may and len(may) < len(test["loads"]):
-                words = f"up to {may[-1]:g} {test['load_unit']}"
+                words = f"up to {max(may):g} {test['load_unit']}"
                 lines.append(_off("", model, "gap_where_fitting_is_allowed", words, style))
         if test["variants"]:
             lines += _compared(test)
     lines += [_balloon(balloon) for balloon in document["balloon"]]
-    lines += [f"skipped: {one['test']}: {one['reason']}" for one in document["skipped"]]
     return "\n".join([*lines, f"{document['name']}; see {folder}"])
 
 

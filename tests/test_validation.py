@@ -102,16 +102,25 @@ def test_readings_are_taken_at_the_test_s_loads_in_its_unit(coimbra):
     assert readings(test, curve) == [pytest.approx(v) for v in (0, 20, 30, 40, 50)] + [None]
 
 
-def test_what_is_no_loading_is_named_and_skipped(tmp_path, stand_in):
+def test_unloading_hold_and_cycle_are_answered_and_drawn(tmp_path, stand_in):
     data = yaml.safe_load(COIMBRA.read_text(encoding="utf-8"))
     data["hand"] = str(PARAMS / "thesis_hand.yaml")
-    data["tests"][2]["path"] = "cycle"
+    kept = {**json.loads(json.dumps(data["tests"][2])), "id": "down"}
+    for test, path, values in ((kept, "unloading", [60, 40, 0]), (data["tests"][1], "hold", [40, 40, 40]),
+                               (data["tests"][2], "cycle", [0, 60, 0])):
+        test |= {"path": path, "load": {**test["load"], "values": values}, "repeats": [[50.0, None, 40.0]]}
+    data["tests"][1]["times"] = [10, 60, 600]
+    data["tests"].append(kept)
     file = tmp_path / "measured.yaml"
     file.write_text(yaml.safe_dump(data), encoding="utf-8")
-    stand_in()
-    document = validation.validate(file, ["literature"]).document
-    assert [one["test"] for one in document["skipped"]] == ["assembly-pressure"]
-    assert "assembly-pressure" not in {test["id"] for test in document["tests"]}
+    wanted = stand_in()
+    document = validation_files.write(validation.validate(file, ["literature"]), tmp_path / "out")
+    tests = {test["id"]: test for test in document["tests"]}
+    assert [test["path"] for test in tests.values()] == ["loading", "hold", "cycle", "loading", "unloading"]
+    assert tests["actuator-pressure"]["times"] == [10, 60, 600] and tests["down"]["times"] is None
+    assert tests["down"]["models"]["literature"]["simulated"] == pytest.approx([80, 60, 20])
+    assert next(w for w in wanted if w.part == "actuator").case.pressures == pytest.approx((0.04,) * 3)
+    assert all((tmp_path / "out" / f"{name}.png").exists() for name in tests)
 
 
 # The document, the files, the command

@@ -54,15 +54,20 @@ def asked(measured: Measured, test: Test, model: str | os.PathLike | BendModel,
     try:
         return request(measured.hand, finger=measured.measurements.finger, part=test.part, model=model,
                        orientation=test.orientation, obstacle=test.obstacle, path=test.path,
-                       times=_times(test, values), repeats=len(test.repeats), **row)
+                       times=_between(test, values), repeats=len(test.repeats), **row)
     except InputError as error:
         raise InputError(_in_file(error.problems, measured, test)) from None
 
 
-def _times(test: Test, values: Sequence[float]) -> list[float]:
+def times(test: Test) -> list[float]:
+    """s since the first load of every reading, READING apart where the test gives none."""
+    return test.times or [READING * (i + 1) for i in range(len(test.load.values))]
+
+
+def _between(test: Test, values: Sequence[float]) -> list[float]:
     """s of the readings at `values`; between a test's own they pass evenly from load to load."""
-    times = test.times or [READING * (i + 1) for i in range(len(test.load.values))]
-    return times if test.path != "loading" else np.interp(values, test.load.values, times).tolist()
+    return times(test) if test.path != "loading" else np.interp(
+        values, test.load.values, times(test)).tolist()
 
 
 def _in_file(problems: Sequence[Problem], measured: Measured, test: Test) -> list[Problem]:

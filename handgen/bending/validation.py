@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from handgen import __version__
-from handgen.bending.comparison import Gap, asked, gap, loads, observed, readings
+from handgen.bending.comparison import Gap, asked, gap, loads, observed, readings, times
 from handgen.bending.model import FOLDER, BendModel, load_model
 from handgen.bending.request import Request, request
 from handgen.bending.result import Bend
@@ -61,7 +61,6 @@ class Validation:
     answers: tuple[Answer, ...]
     variants: tuple[Answer, ...]
     balloons: tuple[dict[str, Any], ...]
-    skipped: tuple[dict[str, str], ...]
 
     @property
     def complete(self) -> bool:
@@ -72,7 +71,6 @@ class Validation:
     def document(self) -> dict[str, Any]:
         """`handgen.validation/1`: kPa, N, mm, deg."""
         m = self.measured.measurements
-        tests = [test for test in m.tests if test.path == "loading"]
         return {
             "schema": SCHEMA,
             "name": m.name,
@@ -80,9 +78,8 @@ class Validation:
             "finger": m.finger,
             "models": [model.name for model in self.models],
             "tests": [_test(test, [a for a in self.answers if a.test is test],
-                            [a for a in self.variants if a.test is test]) for test in tests],
+                            [a for a in self.variants if a.test is test]) for test in m.tests],
             "balloon": list(self.balloons),
-            "skipped": list(self.skipped),
             "complete": self.complete,
             "handgen_version": __version__,
         }
@@ -101,8 +98,6 @@ def validate(measurements: str | os.PathLike = MEASUREMENTS, models: Sequence[st
     say = progress or (lambda line: None)
     measured = load_measurements(measurements)
     chosen = _models(models)
-    skipped = tuple({"test": test.id, "reason": f"{test.path}: only loading is drawn as a curve"}
-                    for test in measured.measurements.tests if test.path != "loading")
     answers, variants = [], []
     for test, name, wanted in _requests(measured, models):
         say(f"{test.id}, {name}")
@@ -114,8 +109,7 @@ def validate(measurements: str | os.PathLike = MEASUREMENTS, models: Sequence[st
     for name in models if any(test.part == "actuator" for test in measured.measurements.tests) else ():
         say(f"actuator with and without thread, {name}")
         balloons.append(_balloon(measured, name, keep))
-    return Validation(measured, tuple(chosen.values()), tuple(answers), tuple(variants), tuple(balloons),
-                      skipped)
+    return Validation(measured, tuple(chosen.values()), tuple(answers), tuple(variants), tuple(balloons))
 
 
 def _models(names: Sequence[str]) -> dict[str, BendModel]:
@@ -147,8 +141,6 @@ def _requests(measured: Measured, models: Sequence[str]) -> list[tuple[Test, str
     problems: list[Problem] = []
     found = []
     for test in measured.measurements.tests:
-        if test.path != "loading":
-            continue
         between = np.linspace(0.0, max(test.load.values), POINTS[test.load.quantity] + 1).round(4).tolist()
         for model in models:
             try:
@@ -206,7 +198,9 @@ def _test(test: Test, answers: Sequence[Answer], variants: Sequence[Answer]) -> 
         "load_unit": test.load.unit,
         "observable": test.observable.quantity,
         "unit": test.observable.unit,
+        "path": test.path,
         "loads": test.load.values,
+        "times": times(test) if test.path == "hold" else None,
         "repeats": test.repeats,
         "means": means(test),
         "deviation": pooled_deviation(test),

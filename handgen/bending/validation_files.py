@@ -81,7 +81,8 @@ def _draw(axis, test: dict[str, Any]) -> None:
     for name, model in test["models"].items():
         colour, dashes = STYLES.get(name) or next(others, (INK, "solid"))
         curve = model["curve"]
-        pairs = [(load, v) for load, v in zip(curve["loads"], curve["values"], strict=True) if v is not None]
+        over = test["times"] or curve["loads"]
+        pairs = [(at, v) for at, v in zip(over, curve["values"], strict=True) if v is not None]
         word = "fitted" if model["fitted"] else "predicted"
         if pairs:
             axis.plot(*zip(*pairs, strict=True), color=colour, linestyle=dashes, linewidth=1.6,
@@ -89,13 +90,15 @@ def _draw(axis, test: dict[str, Any]) -> None:
     for other in test["others"]:
         axis.plot(other["loads"], other["values"], "s", color="none", markeredgecolor=INK, markersize=6,
                   label=f"{other['name']} (its text)")
-    dots = [(load, reading) for row in test["repeats"]
-            for load, reading in zip(test["loads"], row, strict=True) if reading is not None]
+    dots = [(at, reading) for row in test["repeats"]
+            for at, reading in zip(test["times"] or test["loads"], row, strict=True) if reading is not None]
     axis.plot(*zip(*dots, strict=True), "o", color=INK, markersize=3.5, alpha=0.55, linewidth=0,
               label="measured, every repeat")
-    if allowed := [load for load, may in zip(test["loads"], test["may_be_fitted"], strict=True) if may]:
+    allowed = [load for load, may in zip(test["loads"], test["may_be_fitted"], strict=True) if may]
+    if allowed and test["path"] == "loading":
         _limit(axis, test, allowed[-1])
-    axis.set_xlabel(f"{QUANTITIES[test['load']]}, {test['load_unit']}")
+    load = f"{QUANTITIES[test['load']]}, {test['load_unit']}"
+    axis.set_xlabel(f"time, s, at {test['loads'][0]:g} {test['load_unit']}" if test["times"] else load)
     axis.set_ylabel(f"{QUANTITIES[test['observable']]}, {test['unit']}")
     axis.set_title(test["title"], fontsize=10, loc="left")
     axis.grid(color="#e6e6ea", linewidth=0.6)
