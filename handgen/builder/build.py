@@ -11,13 +11,12 @@ from typing import Any
 from handgen import __version__, checks
 from handgen.builder import jobs, pictures, spotted
 from handgen.builder.pictures import View
-from handgen.builder.plan import Planned, digests, groups, kept, plan, salt
+from handgen.builder.plan import Planned, digests, groups, kept, plan
 from handgen.builder.pool import Workers, default_count
 from handgen.builder.store import CHECK_FOLDER, CHECKS, MANIFEST, Store
-from handgen.builder.verdict import Verdict, publish
+from handgen.builder.verdict import Verdict, judged_key, publish
 from handgen.errors import EngineError
 from handgen.export import manifest
-from handgen.geometry import csg
 from handgen.geometry.actuator import adaptations, refuse_forbidden
 from handgen.geometry.catalogue import catalogue, select
 from handgen.parameters.load import Loaded, load
@@ -73,14 +72,6 @@ def _view_row(view: View) -> dict[str, Any]:
     return {"file": view.file, "shows": list(view.shows), "key": view.key}
 
 
-def _judged(loaded: Loaded, present: list[Planned]) -> str:
-    """Key of a report: the rules, the parameters and the parts that they saw."""
-    plugins = [f"{point.name} {point.value} {point.dist.version if point.dist else ''}"
-               for point in checks.registered().values()]
-    return csg.digest((salt(("checks", "mechanics", "geometry", "materials")), loaded.sha256, *plugins,
-                       *(p.key for p in present)))
-
-
 def _sound(result: Any) -> Any:
     """A job's result, or its error raised."""
     if isinstance(result, Exception):
@@ -120,13 +111,13 @@ class _Build:
             if self.verify and not report["passed"]:
                 with Workers(workers, lock, ("manifold3d",)) as pool:
                     return self._failed(report, pool)
-            return self._finish([rows[p.part.name] for p in present], report, _judged(self.loaded, present))
+            return self._finish([rows[p.part.name] for p in present], report, judged_key(self.loaded, present))
         finally:
             self.store.discard()
 
     def _known_report(self, present: list[Planned]) -> dict[str, Any] | None:
         """The report of the previous build, where the same rules judged the same parts."""
-        if self.previous is None or self.previous.get("checks_key") != _judged(self.loaded, present):
+        if self.previous is None or self.previous.get("checks_key") != judged_key(self.loaded, present):
             return None
         return self.store.report()
 

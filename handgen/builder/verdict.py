@@ -8,10 +8,12 @@ from typing import Any
 
 from handgen import checks
 from handgen.builder import jobs
+from handgen.builder.plan import Planned, salt
 from handgen.builder.pool import Workers
 from handgen.builder.store import CHECKS, Store
 from handgen.checks.rule import Outcome
 from handgen.export import manifest
+from handgen.geometry import csg
 from handgen.parameters.load import Loaded
 
 WALLS = ("wall.minimum", "wall.between-bores", "bore.breakthrough")
@@ -49,6 +51,14 @@ class Verdict:
     def report(self) -> dict[str, Any] | None:
         """The contract's report; None while rules are still running."""
         return None if self.waiting else checks.report(self.loaded.hand, self.outcomes)
+
+
+def judged_key(loaded: Loaded, present: Iterable[Planned]) -> str:
+    """Key of a report: the rules, the parameters and the parts that they saw."""
+    plugins = [f"{point.name} {point.value} {point.dist.version if point.dist else ''}"
+               for point in checks.registered().values()]
+    return csg.digest((salt(("checks", "mechanics", "geometry", "materials")), loaded.sha256, *plugins,
+                       *(p.key for p in present)))
 
 
 def publish(report: dict[str, Any], pictures: dict[str, bytes], folder: Path) -> None:
