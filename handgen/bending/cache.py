@@ -85,7 +85,7 @@ def write(which: str, curve: Curve) -> None:
     with contextlib.suppress(OSError):
         home = _path(which).parent
         home.mkdir(parents=True, exist_ok=True)
-        _make_room(home)
+        make_room(home, LARGEST)
         handle, name = tempfile.mkstemp(prefix=f"{which}.", suffix=".writing", dir=home)
         try:
             with os.fdopen(handle, "wb") as file:
@@ -102,8 +102,9 @@ def _path(which: str) -> Path:
     return folder() / "bend" / f"{which}.npz"
 
 
-def _make_room(home: Path) -> None:
-    """Delete what was used longest ago until the folder is small enough; killed runs' files among it."""
+def make_room(home: Path, largest: int) -> None:
+    """Delete what was used longest ago until the folder has no more than `largest` bytes; killed runs' files
+    among it."""
     found = []
     for entry in home.iterdir():
         with contextlib.suppress(FileNotFoundError):
@@ -111,7 +112,7 @@ def _make_room(home: Path) -> None:
             found.append((status.st_mtime, status.st_size, entry))
     total = sum(size for _, size, _ in found)
     for _, size, entry in sorted(found, key=lambda one: one[0]):
-        if total <= LARGEST:
+        if total <= largest:
             return
         with contextlib.suppress(FileNotFoundError):
             entry.unlink()
