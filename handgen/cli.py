@@ -340,6 +340,44 @@ def _measure(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED if report["passed"] else FAILED
 
 
+# report
+
+
+def _report_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("--fingers", metavar="NAME", nargs="+", action="extend",
+                        help="bend only these, or none (all)")
+    parser.add_argument("--workers", type=_count, default=None, metavar="N",
+                        help="processes to work with (default: one a core)")
+
+
+def _report(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.report import report
+
+    result = report(arguments.params, arguments.out, arguments.fingers, progress=output.note,
+                    workers=arguments.workers)
+    output.result(result, tables.reported(result, output.style))
+    return PASSED if result["passed"] else FAILED
+
+
+# view
+
+
+def _view_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("--port", type=_port, default=8765, metavar="N",
+                        help="of 127.0.0.1; 0 takes any that is free (8765)")
+    parser.add_argument("--workers", type=_count, default=None, metavar="N",
+                        help="processes to work with (default: one a core)")
+
+
+def _view(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.report.view import view
+
+    view(arguments.params, arguments.out, arguments.port, workers=arguments.workers, progress=output.note)
+    return PASSED
+
+
 # schema
 
 
@@ -379,6 +417,8 @@ VERBS = {
     "sweep": Verb("vary what a hand is made of, compare the variants, find the best", _sweep_arguments,
                   _sweep),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
+    "report": Verb("write one page that shows the whole design", _report_arguments, _report),
+    "view": Verb("serve that page on this machine, anew at every save", _view_arguments, _view),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),
 }
 
@@ -402,6 +442,12 @@ def _count(text: str) -> int:
 def _whole(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"{text!r} is no whole number")
+    return int(text)
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port: 0 to 65535")
     return int(text)
 
 

@@ -152,6 +152,14 @@ def effects(document: dict[str, Any], style: Style) -> str:
     return "\n".join(lines)
 
 
+def reported(result: dict[str, Any], style: Style) -> str:
+    """Where the page is, and what is missing on it."""
+    lines = [f"{finger} is not bent: {why}" for finger, why in result["missing"].items()]
+    verdict = style("passes", "32") if result["passed"] else style("fails", "31")
+    return "\n".join([*lines, f"{result['name']} {verdict}, {result['findings']} findings; "
+                              f"{result['page']} ({result['bytes'] / 1e6:.1f} MB)"])
+
+
 def measured(report: dict[str, Any], style: Style) -> str:
     """Size, closed or not, walls: a line each."""
     low, high = ("({:.2f}, {:.2f}, {:.2f})".format(*corner) for corner in report["bbox_mm"])

@@ -111,7 +111,8 @@ class _Build:
             if self.verify and not report["passed"]:
                 with Workers(workers, lock, ("manifold3d",)) as pool:
                     return self._failed(report, pool)
-            return self._finish([rows[p.part.name] for p in present], report, judged_key(self.loaded, present))
+            key = judged_key(self.loaded, present)
+            return self._finish([rows[p.part.name] for p in present], report, key)
         finally:
             self.store.discard()
 

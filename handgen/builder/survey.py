@@ -1,7 +1,7 @@
 """A design without its files for makers: every mesh, what is measured on it, and the rules' report.
 
-Meshes come from a build that still holds, else from the cache, else they are made; so do reports. A design that
-breaks a rule is surveyed like any other: nothing here is for the printer.
+Meshes come from a build that still holds, else from the cache, else they are made; so do reports. A design
+that breaks a rule is surveyed like any other: nothing here is for the printer.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One page on which a whole design can be seen and judged, and the server that keeps it fresh while one edits."""
+"""One page on which a whole design can be seen and judged."""
 
 from handgen.report.write import report
 

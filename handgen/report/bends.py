@@ -22,6 +22,7 @@ CLEAR = 0.8
 """mm around a finger within which the palm's picture ends: the webs stay, the bent finger takes its place."""
 SHARP = 40.0
 """deg: a solver's elements turn by more around a bore than the facets of a print."""
+UNSOLVED = "not solved yet"
 LEAST = 1.0
 """Stretch at the lower end of the colours."""
 
@@ -43,7 +44,7 @@ def bend(survey: Survey, fingers: list[str], known: bool, progress: Callable[[st
             missing[name] = "; ".join(problem.message for problem in error.problems)
             continue
         if known and cache.read(cache.key(asked.case, solvers.solver(asked.solver))) is None:
-            missing[name] = "not solved yet"
+            missing[name] = UNSOLVED
             continue
         progress(f"bending {name}")
         found[name] = solve(asked)

@@ -14,7 +14,7 @@ ALIGNED = 4
 
 
 class Buffer:
-    """Arrays one behind the other, little endian; the page finds each by where it begins and how long it is."""
+    """Arrays one behind the other, little endian; each is found by where it begins and how long it is."""
 
     def __init__(self):
         self._bytes = bytearray()

@@ -1,4 +1,4 @@
-"""The fingers' curves over the pressure as one drawing in the page, in its colours, with a dot each for the slider."""
+"""The fingers' curves over the pressure, drawn in the page's colours, with a dot each for the slider."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from handgen.bending.result import Bend
 
 SHOWN = (("bend_angle_deg", "bend, degrees"), ("tip_drop_mm", "tip below the palm, mm"))
 COLOURS = ("#d1495b", "#2a7fb8", "#3a9a5b", "#c9822b", "#8a63b8")
-"""Of the fingers in their order: told apart on light and dark ground, also by the colour-blind in most pairs."""
+"""Of the fingers in their order: legible on light and dark ground."""
 INK, GRID = "#010203", "#040506"
 """Stand in for the page's own colours until the drawing is written."""
 SIZE = (7.4, 3.1)
@@ -46,7 +46,8 @@ def draw(bent: Mapping[str, Bend]) -> Curves | None:
         axes = figure.subplots(1, len(SHOWN))
         for axis, (key, label) in zip(axes, SHOWN, strict=True):
             _plot(axis, rows, key, label)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5, frameon=False)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(rows),
+                      frameon=False)
         figure.patch.set_alpha(0.0)
         stream = io.StringIO()
         canvas.print_svg(stream, metadata={"Date": None, "Creator": None})
@@ -71,7 +72,8 @@ def _data(points: list[dict], axes) -> dict[str, Any]:
     for axis, (key, _) in zip(axes, SHOWN, strict=True):
         pixels = axis.transData.transform([(p["pressure_kPa"], p[key]) for p in points])
         scale = 72.0 / axis.figure.dpi
-        places[key] = [[round(x * scale, 2), round(72.0 * SIZE[1] - y * scale, 2)] for x, y in pixels.tolist()]
+        places[key] = [[round(x * scale, 2), round(72.0 * SIZE[1] - y * scale, 2)]
+                       for x, y in pixels.tolist()]
     return {"pressures": pressures, "places": places,
             "values": {key: [round(p[key], 3) for p in points] for key, _ in SHOWN}}
 
@@ -83,7 +85,8 @@ def _own(svg: str, data: Mapping[str, Any]) -> str:
     svg = svg.replace(INK, "currentColor").replace(f"stroke: {GRID}", "stroke: var(--line)")
     svg = re.sub(r"font: ([^;\"]*)(?:px)? [^;\"]*(?=[;\"])", r"font: \1 system-ui, sans-serif", svg)
     dots = "".join(
-        f'<circle id="dot-{name}-{key}" cx="{x}" cy="{y}" r="5" fill="{colour}" stroke="var(--card)" stroke-width="1.5"/>'
+        f'<circle id="dot-{name}-{key}" cx="{x}" cy="{y}" r="5" fill="{colour}" '
+        'stroke="var(--card)" stroke-width="1.5"/>'
         for (name, curve), colour in zip(data.items(), COLOURS, strict=False)
         for key, ((x, y), *_) in curve["places"].items())
     words = "Curves of bend and drop of the fingertips over the pressure"

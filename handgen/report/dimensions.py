@@ -1,7 +1,7 @@
 """Dimensions as built, measured on the meshes, beside what was asked for and what the source's tables say.
 
-Nothing here is read from the definition but the place where to measure: lengths and diameters are those of the
-triangles that go to the printer.
+Nothing here is read from the definition but the place where to measure: lengths and diameters are those of
+the triangles that go to the printer.
 """
 
 from __future__ import annotations

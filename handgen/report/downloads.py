@@ -18,7 +18,8 @@ from handgen.report.dimensions import Dimension
 YAML, JSON, CSV = "application/yaml", "application/json", "text/csv"
 
 
-def downloads(survey: Survey, bent: Mapping[str, Bend], dimensions: Iterable[Dimension]) -> dict[str, dict[str, str]]:
+def downloads(survey: Survey, bent: Mapping[str, Bend], dimensions: Iterable[Dimension]
+              ) -> dict[str, dict[str, str]]:
     """Key -> {"name", "type", "text", "words"}."""
     loaded, name = survey.loaded, survey.loaded.hand.name
     resolved = loaded.hand.model_dump(mode="json", exclude_none=True)
@@ -27,14 +28,17 @@ def downloads(survey: Survey, bent: Mapping[str, Bend], dimensions: Iterable[Dim
         "resolved": _file(f"{name}_resolved.yaml", YAML, yaml.safe_dump(resolved, sort_keys=False),
                           "with all that it extends and every default"),
         "checks": _file("checks.json", JSON, json.dumps(survey.report, indent=1), "rules and findings"),
-        "dimensions": _file("dimensions.csv", CSV, _csv(d.row() for d in dimensions), "as built, asked, source"),
+        "dimensions": _file("dimensions.csv", CSV, _csv(d.row() for d in dimensions),
+                            "as built, asked, source"),
         "parts": _file("parts.csv", CSV, _csv(_parts(survey)), "sizes, volumes, masses"),
     }
     if survey.built:
-        found["manifest"] = _file("manifest.json", JSON, json.dumps(survey.built, indent=1), "of the build beside it")
+        found["manifest"] = _file("manifest.json", JSON, json.dumps(survey.built, indent=1),
+                                  "of the build beside it")
     for finger, bend in bent.items():
         points = [point | {"flags": "; ".join(point["flags"])} for point in bend.document["points"]]
-        found[f"curve_{finger}"] = _file(f"curve_{finger}.csv", CSV, _csv(points), "bend, drop, stretch over pressure")
+        found[f"curve_{finger}"] = _file(f"curve_{finger}.csv", CSV, _csv(points),
+                                          "bend, drop, stretch over pressure")
     return found
 
 

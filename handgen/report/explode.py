@@ -22,7 +22,7 @@ FINGER = (0.0, -50.0, 0.0)
 
 
 def in_hand(hand: Hand, seated: Seated) -> np.ndarray:
-    """In the hand's frame: actuators leave along their fingers, those of the opposition to the palm's side."""
+    """In the hand's frame: actuators leave along their fingers, those of the opposition on the palm side."""
     kind, *_, last = seated.name.split("/")
     if kind == "exoskeleton":
         return np.zeros(3)

@@ -14,6 +14,7 @@ from handgen.report.dimensions import source
 
 HAND = "exoskeleton/hand"
 SLICES, WORKSHEET = "slices.json", "worksheet.html"
+UNSLICED = "Not sliced yet: `handgen slice` adds the times and masses of a real slicer."
 MM3 = 1e-3
 """cm3."""
 
@@ -51,8 +52,8 @@ def slices(folder: Path) -> list[dict[str, Any]]:
 
 def worksheet(folder: Path) -> str | None:
     """Where the worksheet lies, relative to `folder`."""
-    return next((file.relative_to(folder).as_posix()
-                 for file in (folder / WORKSHEET, *sorted(folder.glob(f"*/{WORKSHEET}"))) if file.exists()), None)
+    places = (folder / WORKSHEET, *sorted(folder.glob(f"*/{WORKSHEET}")))
+    return next((file.relative_to(folder).as_posix() for file in places if file.exists()), None)
 
 
 def section(survey: Survey, folder: Path) -> str:
@@ -64,7 +65,7 @@ def section(survey: Survey, folder: Path) -> str:
     if sliced:
         content.append(markup.folded(f"All sliced parts ({len(sliced)})", _sliced(sliced)))
     else:
-        content.append(markup.quiet("Not sliced yet: `handgen slice` adds the times and masses of a real slicer."))
+        content.append(markup.quiet(UNSLICED))
     if (place := worksheet(folder)) is not None:
         content.append(f'<p><a href="{markup.text(place)}">Worksheet for casting and assembly</a></p>')
     return markup.section("making", "Print time and mass", *content)
@@ -73,8 +74,9 @@ def section(survey: Survey, folder: Path) -> str:
 def _beside(survey: Survey, sliced: Iterable[dict[str, Any]]) -> str:
     told = source()["hand"]
     ours = survey.parts[HAND]
+    length = ours.facts.bbox_mm[1][0] - ours.facts.bbox_mm[0][0]
     rows = [
-        ("length", told["length"], ours.facts.bbox_mm[1][0] - ours.facts.bbox_mm[0][0], "mm", "measured on the mesh"),
+        ("length", told["length"], length, "mm", "measured on the mesh"),
         ("volume", told["volume"], ours.facts.volume_mm3 * MM3, "cm3", "measured on the mesh"),
         ("mass", told["mass"], masses(survey)[HAND], "g", "filled; volume times filament density"),
     ]
@@ -82,7 +84,8 @@ def _beside(survey: Survey, sliced: Iterable[dict[str, Any]]) -> str:
         words = f"sliced by {row['slicer']}"
         rows += [("mass", told["mass"], row["filament_g"], "g", f"{words}, with supports"),
                  ("print time", told["time"], row["print_time_s"] / 3600.0, "h", words)]
-    return markup.table("The hand beside the source's", ["", "source", "ours", "unit", "ours is", "source's place"], [
+    heads = ["", "source", "ours", "unit", "ours is", "source's place"]
+    return markup.table("The hand beside the source's", heads, [
         (markup.text(what), markup.number(theirs["value"]), markup.number(value, 1), unit, markup.text(how),
          markup.text(theirs["where"])) for what, theirs, value, unit, how in rows], (1, 2))
 
@@ -96,12 +99,13 @@ def _why(survey: Survey, sliced: Iterable[dict[str, Any]]) -> Iterable[str]:
     yield markup.text(
         f"The source's numbers do not fit together: laying down its {volume:.1f} cm3 at "
         f"{process.nozzle_size:g} x {process.layer_height:g} mm and {process.speed:g} mm/s "
-        f"({rate:.2f} cm3 an hour, no travel) takes at least {volume / rate:.0f} hours, not about {hours:g}. Its "
-        f"{mass:g} g of filament of {process.density:g} g/cm3 are {weighed:.1f} cm3, {weighed / volume:.0%} of "
-        f"that volume, and take {weighed / rate:.0f} hours.")
+        f"({rate:.2f} cm3 an hour, no travel) takes at least {volume / rate:.0f} hours, not about {hours:g}. "
+        f"Its {mass:g} g of filament of {process.density:g} g/cm3 are {weighed:.1f} cm3, "
+        f"{weighed / volume:.0%} of that volume, and take {weighed / rate:.0f} hours.")
     yield markup.text(
-        "So its print laid down about that share of the drawn volume: it was under-extruded or porous, which its own "
-        "density of 0.827 g/cm3 says too. Ours are the numbers of a solid print; they are not tuned to match.")
+        "So its print laid down about that share of the drawn volume: it was under-extruded or porous, as "
+        f"its own density of {mass / volume:.3f} g/cm3 says too. Ours are the numbers of a solid print; they "
+        "are not tuned to match.")
     if any(row["part"] == HAND for row in sliced):
         yield "Slicers add travel, supports and slow outer walls to that least time."
 

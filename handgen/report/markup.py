@@ -26,8 +26,9 @@ def section(name: str, title: str, *content: str) -> str:
             + "\n".join(filter(None, content)) + "\n</section>")
 
 
-def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = ()) -> str:
-    """`heads` and the cells of `rows` are HTML; a row's first cell is its head. `numeric`: columns of numbers."""
+def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = ()
+          ) -> str:
+    """`heads` and cells are HTML; a row's first cell is its head. `numeric`: columns set right."""
     right = set(numeric)
 
     def kind(column: int) -> str:
@@ -37,7 +38,8 @@ def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]], num
     body = "\n".join(
         "<tr>" + "".join(f'<th scope="row">{cell}</th>' if i == 0 else f"<td{kind(i)}>{cell}</td>"
                          for i, cell in enumerate(row)) + "</tr>" for row in rows)
-    return (f'<div class="wide" tabindex="0" role="region" aria-label="{text(caption)}"><table><caption>{text(caption)}</caption>'
+    return (f'<div class="wide" tabindex="0" role="region" aria-label="{text(caption)}">'
+            f"<table><caption>{text(caption)}</caption>"
             f"<thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table></div>")
 
 

@@ -52,7 +52,7 @@ def coarse(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def smooth(vertices: np.ndarray, faces: np.ndarray, sharp: float = SHARP) -> Drawn:
-    """With normals that turn where the surface is round and break where it turns by more than `sharp`, deg."""
+    """With normals that break where the surface turns by more than `sharp`, deg."""
     import pyvista
 
     mesh = pyvista.PolyData.from_regular_faces(np.asarray(vertices, float), faces)

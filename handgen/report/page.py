@@ -24,8 +24,9 @@ LIVE = "live.js"
 """Only in a page that `handgen view` serves."""
 
 
-def page(survey: Survey, bent: Mapping[str, Bend], missing: Mapping[str, str], folder: Path, live: bool = False) -> str:
-    """The whole page; `folder` is where it will lie, `live` makes it renew itself while it is served.
+def page(survey: Survey, bent: Mapping[str, Bend], missing: Mapping[str, str], folder: Path,
+         serial: int | None = None) -> str:
+    """The whole page; `folder` is where it will lie. With a `serial` it asks its server for a newer one.
 
     Raises:
         EngineError: no three.js is found.
@@ -41,24 +42,32 @@ def page(survey: Survey, bent: Mapping[str, Bend], missing: Mapping[str, str], f
     embedded = downloads(survey, bent, measured)
     panels = [sections.glance(survey, bent), sections.findings(survey),
               sections.bending(bent, missing, drawn, moving is not None), sections.dimensions(measured),
-              making.section(survey, folder), sections.adapted(survey), sections.downloads(survey, embedded, folder)]
+              making.section(survey, folder), sections.adapted(survey), sections.downloads(survey, embedded)]
     data = {"name": survey.loaded.hand.name, "scenes": listed, "meshes": stage.meshes,
-            "findings": survey.report["findings"], "curves": drawn.data if drawn else {}, "downloads": embedded}
+            "findings": survey.report["findings"], "curves": drawn.data if drawn else {},
+            "downloads": embedded}
     hand = survey.loaded.hand
     return fill(title=f"{hand.name}: report", name=hand.name, description=hand.description or "",
                 verdict=sections.verdict(survey), panels="\n".join(filter(None, panels)), data=data,
-                buffer=buffer.text(), live=live)
+                buffer=buffer.text(), serial=serial)
 
 
 def fill(*, title: str, name: str, description: str, verdict: str, panels: str, data: Any, buffer: str,
-         live: bool) -> str:
+         serial: int | None) -> str:
     """The template with its places filled; `verdict` and `panels` are HTML."""
-    scripts = [*SCRIPTS, LIVE] if live else SCRIPTS
+    scripts = SCRIPTS if serial is None else [*SCRIPTS, LIVE]
     return Template(asset("page.html")).substitute(
-        connect="'self'" if live else "'none'", version=__version__, title=markup.text(title),
+        connect="'none'" if serial is None else "'self'", serial="" if serial is None else serial,
+        version=__version__, title=markup.text(title),
         name=markup.text(name), description=markup.text(description), verdict=verdict, panels=panels,
         style=asset("style.css"), data=inert(data), buffer=buffer, three=three.script(),
         script='"use strict";\n(() => {\n' + "\n".join(map(asset, scripts)) + "\n})();")
+
+
+def waiting(name: str, serial: int) -> str:
+    """What a server shows before the first page is ready: what is wrong with the file, then the page."""
+    return Template(asset("waiting.html")).substitute(
+        title=markup.text(name), serial=serial, style=asset("style.css"), script=asset(LIVE))
 
 
 def inert(data: Any) -> str:

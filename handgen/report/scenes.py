@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from handgen.builder.survey import Survey
 from handgen.geometry.assembly import BENT_EDGE, Seated, assembly
+from handgen.geometry.finger import exoskeleton
 from handgen.geometry.palm import finger_placement
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
@@ -119,16 +120,16 @@ class Stage:
     def _place(self, scene: Scene, part: str, where: np.ndarray) -> np.ndarray | None:
         """`where` of the part's own frame in the scene's; None where the scene does not show the part."""
         if scene.name == "hand" and part != HAND:
-            seated = next((s for s in self._carriers() if s.name == part), None)
+            seated = self._carriers.get(part)
             return None if seated is None else seated.carry(where[None])[0]
         return where if any(node.part.name == part for node in scene.nodes) else None
 
-    def _carriers(self) -> Iterator[Seated]:
+    @cached_property
+    def _carriers(self) -> dict[str, Seated]:
         """What brings a place of a part into the hand; a single finger's lies on the hand's finger."""
-        yield from assembly(self.hand)
-        for name in self.hand.fingers.present():
-            yield Seated(self.survey.parts[f"exoskeleton/{name}"].part, *finger_placement(self.hand, name),
-                         mirrored=self.hand.side == "left")
+        fingers = (Seated(exoskeleton(self.hand, name), *finger_placement(self.hand, name),
+                          mirrored=self.hand.side == "left") for name in self.hand.fingers.present())
+        return {seated.name: seated for seated in (*assembly(self.hand), *fingers)}
 
 
 def matrix(seated: Seated) -> np.ndarray:

@@ -1,9 +1,8 @@
-"""The page's text: what was found, how it bends, how large it is, what was adapted and assumed, what to fetch."""
+"""The page's text: findings, bends, dimensions, what was adapted and assumed, what to fetch."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from handgen.bending.result import Bend
@@ -11,10 +10,11 @@ from handgen.builder.survey import Survey
 from handgen.geometry.actuator import adaptations
 from handgen.report import making, markup
 from handgen.report.curves import Curves
-from handgen.report.dimensions import Dimension
+from handgen.report.dimensions import WORDS, Dimension
 
 FAR = 0.05
 """mm of the measured from the asked dimension that is marked: more than the mesh's chords take."""
+SHOW_BEND = '<p><button type="button" data-scene="bend">Show the hand under pressure</button></p>'
 WORST = ("error", "warning", "info")
 TOLD = (20.0, 60.0, 100.0)
 """kPa of the table of bends."""
@@ -68,8 +68,10 @@ def _finding(index: int, found: Mapping[str, Any]) -> str:
     measured = "" if found["measured"] is None else f"measured {found['measured']:.4g} {found['unit']}"
     limit = "" if found["limit"] is None else f"limit {found['limit']:.4g} {found['unit']}"
     numbers = ", ".join(filter(None, (measured, limit)))
-    return (f'<li data-finding="{index}"><button type="button"><span class="number {found["severity"]}">{index + 1}</span>'
-            f'<b class="{found["severity"]}">{markup.text(found["severity"])}</b> <b>{markup.text(found["rule"])}</b>'
+    severity = found["severity"]
+    return (f'<li data-finding="{index}"><button type="button">'
+            f'<span class="number {severity}">{index + 1}</span>'
+            f'<b class="{severity}">{severity}</b> <b>{markup.text(found["rule"])}</b>'
             f'<br><span class="where">{markup.text(found["part"] + where)}</span></button>'
             f'<p>{markup.text(found["message"])}</p><p>Mend: {markup.text(found["fix"])}</p>'
             f'<p class="quiet">{markup.text("; ".join(filter(None, (numbers, found["source"]))))}</p></li>')
@@ -77,8 +79,8 @@ def _finding(index: int, found: Mapping[str, Any]) -> str:
 
 def _rules(rules: Iterable[Mapping[str, Any]]) -> str:
     return markup.table("Rules", ["rule", "status", "measured", "limit", "unit", "what was judged"], [
-        (markup.text(r["rule"]), f'<span class="{r["status"]}">{r["status"]}</span>', _four(r["measured"]), _four(r["limit"]),
-         markup.text(r["unit"]), markup.text(r["reason"])) for r in rules], (2, 3))
+        (markup.text(r["rule"]), f'<span class="{r["status"]}">{r["status"]}</span>', _four(r["measured"]),
+         _four(r["limit"]), markup.text(r["unit"]), markup.text(r["reason"])) for r in rules], (2, 3))
 
 
 def bending(bent: Mapping[str, Bend], missing: Mapping[str, str], curves: Curves | None, shown: bool) -> str:
@@ -87,16 +89,16 @@ def bending(bent: Mapping[str, Bend], missing: Mapping[str, str], curves: Curves
     if curves is not None:
         content.append(f"<figure>{curves.svg}</figure>")
         if shown:
-            content.append('<p><button type="button" data-scene="bend">Show the hand under pressure</button></p>')
+            content.append(SHOW_BEND)
     if bent:
         some = next(iter(bent.values())).document
         content.append(markup.quiet(
-            f"Every finger bent on its own, palm down, own weight on, model {some['model']}, solver {some['solver']}. "
-            "Dots were solved; between them slider and shape follow straight lines. Fingers do not feel one another "
-            "or the palm."))
-        content.append(markup.table(
-            "Bend of the fingertips, degrees", ["finger", *(f"{p:g} kPa" for p in TOLD), "reached", "to be known"],
-            [_bent(name, found) for name, found in bent.items()], range(1, len(TOLD) + 1)))
+            f"Every finger bent on its own, palm down, own weight on, model {some['model']}, solver "
+            f"{some['solver']}. Dots were solved; between them slider and shape follow straight lines. "
+            "Fingers do not feel one another or the palm."))
+        heads = ["finger", *(f"{p:g} kPa" for p in TOLD), "reached", "to be known"]
+        content.append(markup.table("Bend of the fingertips, degrees", heads,
+                                    [_bent(*each) for each in bent.items()], range(1, len(TOLD) + 1)))
     content += [f"<p>{markup.text(f'{name}: {why}')}</p>" for name, why in missing.items()]
     return markup.section("bending", "Under pressure", *content) if content else ""
 
@@ -106,29 +108,39 @@ def _bent(name: str, found: Bend) -> tuple[str, ...]:
                           if " strained" in flag else flag
                           for point in found.document["points"] for flag in point["flags"])
     angles = (markup.number(_at(found, p, "bend_angle_deg"), 0) for p in TOLD)
-    return (markup.text(name), *angles, markup.text(found.reached), markup.text("; ".join(flags)))
+    reached = found.reached.removeprefix("reached ")
+    return (markup.text(name), *angles, markup.text(reached), markup.text("; ".join(flags)))
 
 
 def dimensions(found: Iterable[Dimension]) -> str:
-    """Measured beside asked and the source's, a row a part and dimension."""
-    rows = [d.row() for d in found]
+    """As built, over what the source says: a row a part and a column a dimension, as its tables have them."""
+    found = list(found)
     return markup.section(
         "dimensions", "Dimensions as built",
-        markup.quiet("Measured on the very triangles that are printed, mm; marked where they leave what was asked by "
-                     f"more than {FAR:g}, or the source's table."),
-        *(markup.table(f"{title}, mm", ["part", "dimension", "as built", "asked", "source"],
-                       [_dimension(row) for row in rows if row["part"].startswith(kind)], (2, 3, 4))
-          for kind, title in (("exoskeleton/", "Exoskeletons (Table A.1)"), ("actuators/", "Actuators (Table A.2)"))))
+        markup.quiet("Measured on the very triangles that are printed, mm; below each the source's "
+                     f"value, and what was asked where the part leaves it by more than {FAR:g}."),
+        *(_dimensions(title, [d for d in found if d.what.startswith(kind)])
+          for kind, title in (("exoskeleton/", "Exoskeletons, Table A.1"),
+                              ("actuators/", "Actuators, Table A.2"))))
 
 
-def _dimension(row: Mapping[str, Any]) -> tuple[str, ...]:
-    def mark(value: float | None) -> str:
-        shown = markup.number(value)
-        off = value is not None and abs(value - row["measured_mm"]) > FAR
-        return f'<b class="warning" title="off by {row["measured_mm"] - value:+.2f} mm">{shown}</b>' if off else shown
+def _dimensions(title: str, found: list[Dimension]) -> str:
+    keys = list(dict.fromkeys(d.name for d in found))
+    rows: dict[str, dict[str, Dimension]] = {}
+    for each in found:
+        rows.setdefault(each.what, {})[each.name] = each
+    return markup.table(title, ["", *(WORDS[key] for key in keys)], [
+        (markup.text(part.split("/")[1].replace("_", " ")), *(_dimension(row[key]) for key in keys))
+        for part, row in rows.items()], range(1, len(keys) + 1))
 
-    return (markup.text(row["part"].split("/")[1].replace("_", " ")), markup.text(row["dimension"]),
-            markup.number(row["measured_mm"]), mark(row["asked_mm"]), mark(row["source_mm"]))
+
+def _dimension(found: Dimension) -> str:
+    words = [f"source {markup.number(found.source)}" if found.source is not None else "source &ndash;"]
+    off = found.source is not None and abs(found.source - found.measured) > FAR
+    missed = abs(found.asked - found.measured) > FAR
+    words += [f"asked {markup.number(found.asked)}"] if missed else []
+    kind = ' class="warning"' if off or missed else ""
+    return f'<b{kind}>{found.measured:.2f}</b><br><span class="quiet">{", ".join(words)}</span>'
 
 
 def adapted(survey: Survey) -> str:
@@ -137,22 +149,27 @@ def adapted(survey: Survey) -> str:
     reasons: dict[str, list[str]] = {}
     for each in survey.loaded.assumptions:
         reasons.setdefault(each["reason"], []).append(f"{each['path']} = {each['value']}")
-    listed = [f"<h3>{markup.text(reason)}</h3><ul class=\"plain\">"
-              + "".join(f"<li>{markup.text(line)}</li>" for line in lines) + "</ul>" for reason, lines in reasons.items()]
-    content = [f"<p><b>{markup.text(a.path)}</b>: {markup.text(a.reason)} ({markup.text(a.source)})</p>" for a in changed]
-    return markup.section("adapted", "Adapted and assumed", *(content or ["<p>Nothing had to be adapted.</p>"]),
+    listed = [f"<h3>{markup.text(reason)}</h3>{_list(lines)}" for reason, lines in reasons.items()]
+    content = [f"<p><b>{markup.text(a.path)}</b>: {markup.text(a.reason)} ({markup.text(a.source)})</p>"
+               for a in changed] or ["<p>Nothing had to be adapted.</p>"]
+    return markup.section("adapted", "Adapted and assumed", *content,
                           markup.folded(f"Assumptions ({len(survey.loaded.assumptions)})", *listed))
 
 
-def downloads(survey: Survey, embedded: Mapping[str, Mapping[str, str]], folder: Path) -> str:
+def _list(lines: Iterable[str]) -> str:
+    return '<ul class="plain">' + "".join(f"<li>{markup.text(line)}</li>" for line in lines) + "</ul>"
+
+
+def downloads(survey: Survey, embedded: Mapping[str, Mapping[str, str]]) -> str:
     """What is in the page, and the files beside it where there is a build."""
-    inside = "".join(f'<li><button type="button" data-download="{key}">{markup.text(file["name"])}</button> '
-                     f'<span class="quiet">{markup.text(file["words"])}</span></li>' for key, file in embedded.items())
-    content = [f"<h3>In this page</h3><ul>{inside}</ul>", _parts(survey, folder)]
+    inside = "".join(
+        f'<li><button type="button" data-download="{key}">{markup.text(file["name"])}</button> '
+        f'<span class="quiet">{markup.text(file["words"])}</span></li>' for key, file in embedded.items())
+    content = [f"<h3>In this page</h3><ul>{inside}</ul>", _parts(survey)]
     return markup.section("downloads", "Parts and downloads", *content)
 
 
-def _parts(survey: Survey, folder: Path) -> str:
+def _parts(survey: Survey) -> str:
     """Every part with its size; its files where a build of these parameters lies beside the page."""
     mass = making.masses(survey)
     files = {row["name"]: row["files"] for row in survey.built["parts"]} if survey.built else {}
@@ -161,8 +178,9 @@ def _parts(survey: Survey, folder: Path) -> str:
         size = " &times; ".join(f"{b - a:.1f}" for a, b in zip(*each.facts.bbox_mm, strict=True))
         links = " ".join(f'<a href="{markup.text(path)}" download>{markup.text(kind)}</a>'
                          for kind, path in files.get(name, {}).items())
-        rows.append((markup.text(name), markup.text(each.part.material), size, markup.number(each.facts.volume_mm3 / 1e3),
-                     markup.number(mass[name], 1), *([links] if files else [])))
+        rows.append((markup.text(name), markup.text(each.part.material), size,
+                     markup.number(each.facts.volume_mm3 / 1e3), markup.number(mass[name], 1),
+                     *([links] if files else [])))
     words = ("Links lead to the build beside this page." if files else
              "No build of these parameters lies beside this page: `handgen build` writes STL, STEP and 3MF.")
     heads = ["part", "material", "size, mm", "cm3", "g, filled", *(["files"] if files else [])]

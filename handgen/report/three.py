@@ -1,4 +1,4 @@
-"""three.js with its TrackballControls out of the viewer that trimesh ships (MIT); put into the page, never committed."""
+"""three.js with its TrackballControls (MIT), out of the viewer that trimesh ships."""
 
 from __future__ import annotations
 
@@ -31,8 +31,10 @@ def script() -> str:
         start = page.index(OPENS) + len(OPENS)
         found = page[start:page.index(OWN, start)]
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise EngineError(f"trimesh {trimesh.__version__} ships no three.js where it is looked for ({error})") from error
+        raise EngineError(f"trimesh {trimesh.__version__} ships no three.js where one is looked for ({error})"
+                          ) from error
     missing = [word for word in NEEDED if word not in found]
     if missing or CLOSES in found:
-        raise EngineError(f"trimesh {trimesh.__version__} ships another three.js: no {', '.join(missing) or 'one script'}")
+        raise EngineError(f"trimesh {trimesh.__version__} ships another three.js, without "
+                          f"{', '.join(missing) or 'an end'}")
     return found

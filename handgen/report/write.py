@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +18,45 @@ from handgen.report.page import page
 FILE = "report.html"
 NONE = "none"
 SCHEMA = "handgen.report/1"
+Progress = Callable[[str], None]
 
 
-def report(params: str | os.PathLike, out: str | os.PathLike | None = None, fingers: Iterable[str] | None = None, *,
-           progress: Callable[[str], None] | None = None, workers: int | None = None, known: bool = False,
-           live: bool = False) -> dict[str, Any]:
-    """Write `report.html` for the hand of `params` into `out` (`outputs/<name>`).
+@dataclass(frozen=True)
+class Report:
+    """A page, and what is to be said of it."""
 
-    `fingers`: those to bend (all; ["none"]: no bends). Meshes come from the build in `out` where it still holds,
-    meshes, reports and bends from the cache where it has them. `known` bends only what was solved before; `live`
-    writes a page for `handgen view`.
+    name: str
+    content: bytes
+    passed: bool
+    findings: int
+    bent: dict[str, str]
+    """Finger -> how far it was bent."""
+    missing: dict[str, str]
+    """Finger -> why it was not."""
+
+
+def report(params: str | os.PathLike, out: str | os.PathLike | None = None,
+           fingers: Iterable[str] | None = None, *, progress: Progress | None = None,
+           workers: int | None = None) -> dict[str, Any]:
+    """Write `report.html` for the hand of `params` into `out` (`outputs/<name>`); see `compose`.
 
     Returns {"schema", "name", "page", "bytes", "passed", "findings", "bent", "missing"}.
+    """
+    found = compose(params, out, fingers, progress=progress, workers=workers)
+    target = home(found.name, out) / FILE
+    write(target, found.content)
+    return {"schema": SCHEMA, "name": found.name, "page": str(target), "bytes": len(found.content),
+            "passed": found.passed, "findings": found.findings, "bent": found.bent, "missing": found.missing}
+
+
+def compose(params: str | os.PathLike, out: str | os.PathLike | None = None,
+            fingers: Iterable[str] | None = None, *, progress: Progress | None = None,
+            workers: int | None = None, known: bool = False, serial: int | None = None) -> Report:
+    """The page of the hand of `params`, to lie in `out`; nothing is written.
+
+    `fingers`: those to bend (all; ["none"]: no bends). Meshes come from the build in `out` where it still
+    holds; meshes, reports and bends from the cache where it has them. `known` bends only what was solved
+    before; `serial` numbers a page for `handgen view`.
 
     Raises:
         InputError: bad parameters, an unknown finger, or a folder that is not handgen's.
@@ -37,16 +65,17 @@ def report(params: str | os.PathLike, out: str | os.PathLike | None = None, fing
     """
     loaded, say = load(params), progress or (lambda line: None)
     wanted = _wanted(fingers, loaded.hand.fingers.present())
-    folder = Path(out) if out is not None else Path("outputs") / loaded.hand.name
+    folder = home(loaded.hand.name, out)
     with survey(loaded, folder, say, workers) as surveyed:
         bent, missing = bends.bend(surveyed, wanted, known, say)
-        content = page(surveyed, bent, missing, folder, live).encode()
-        findings = len(surveyed.report["findings"])
-        passed = surveyed.report["passed"]
-    target = folder / FILE
-    write(target, content)
-    return {"schema": SCHEMA, "name": loaded.hand.name, "page": str(target), "bytes": len(content),
-            "passed": passed, "findings": findings, "bent": {n: b.reached for n, b in bent.items()}, "missing": missing}
+        content = page(surveyed, bent, missing, folder, serial).encode()
+        return Report(loaded.hand.name, content, surveyed.report["passed"], len(surveyed.report["findings"]),
+                      {name: found.reached for name, found in bent.items()}, missing)
+
+
+def home(name: str, out: str | os.PathLike | None) -> Path:
+    """The folder of the hand `name`."""
+    return Path(out) if out is not None else Path("outputs") / name
 
 
 def write(target: Path, content: bytes) -> None:

@@ -25,13 +25,15 @@ function showScene(name) {
   setOpacity(+element("opacity").value / 100);
   listParts();
   enterPressure();
-  setExplode(0);
+  setExplode(["hand", "bend"].includes(scene.name) ? 0 : 1);
   placeMarkers();
-  look(scene.name === "hand" ? "start" : scene.name === "bend" ? "bend" : "mould");
+  look({hand: "start", bend: "bend"}[scene.name] || "mould");
 }
 
-function placed(row) {
+function placed(row, order) {
   const material = new THREE.MeshStandardMaterial({color: tinted(row), roughness: 0.7, metalness: 0});
+  // A core fills its cavity: of two surfaces in one place always the same one is seen.
+  Object.assign(material, {polygonOffset: true, polygonOffsetFactor: order / 4, polygonOffsetUnits: 8 * order});
   const mesh = new THREE.Mesh(row.states && row.states.length ? moving(row) : geometry(row.mesh), material);
   mesh.matrixAutoUpdate = false;
   mesh.visible = row.shown;

@@ -3,7 +3,7 @@ const TURN = 12 * Math.PI / 180;
 const FILLED = 0.92;
 const LOOKS = {  // from where, and what points up, in the scene's axes: x to the fingertips, z dorsal
   palm: [[0, 0, -1], [1, 0, 0]], back: [[0, 0, 1], [1, 0, 0]], side: [[0, 1, 0.0001], [0, 0, 1]], tip: [[1, 0, 0], [0, 0, 1]],
-  start: [[-0.25, 0.55, -0.8], [1, 0, 0]], mould: [[-0.3, -0.85, 0.5], [0, 0, 1]], bend: [[-0.15, 0.8, -0.3], [0, 0, 1]],
+  start: [[-0.25, 0.55, -0.8], [1, 0, 0]], mould: [[-0.3, -0.85, 0.5], [0, 0, 1]], bend: [[0.45, -0.8, 0.3], [0, 0, 1]],
 };
 const LETTERS = {p: "palm", b: "back", s: "side", t: "tip"};
 const stage = element("stage");
