@@ -224,5 +224,6 @@ def test_fits_a_phone(browser, address, scheme):
 def test_everything_can_be_named_by_a_screen_reader(desk):
     unnamed = desk.evaluate("""() => [...document.querySelectorAll('button, input, select, [role]')].filter(
       (each) => !(each.getAttribute('aria-label') || each.getAttribute('aria-labelledby')
-        || each.textContent.trim() || (each.labels && each.labels.length) || each.hidden)).map((each) => each.outerHTML)""")
+        || each.textContent.trim() || (each.labels && each.labels.length) || each.hidden)
+    ).map((each) => each.outerHTML)""")
     assert unnamed == []
