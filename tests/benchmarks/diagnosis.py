@@ -34,8 +34,6 @@ GIVEN = ("exoskeleton-weights", "actuator-pressure", "assembly-pressure")
 FORCE = "fingertip-force"
 NEEDS_FORCE = ("contact_angle",)
 """What the three tests of the source cannot know: its force test is given as well."""
-HOLDS_OUT = 3
-"""Every so manyth load is left out in turn."""
 MOST_ASKED = 3
 UNSEEN = "ask-assembly-bend-angle-palm-down-loading"
 """A kind of test that is never fitted where the gap on an unseen kind is judged."""
@@ -123,8 +121,10 @@ def said(scores) -> dict:
 
 
 def gaps(found, library, draw: Draw, scores) -> dict:
-    """Squares of what is left, in deviations of a mean and by points: held-out loads, an unseen kind of
-    test."""
+    """RMS of what is left: each load predicted without it, and a kind of test that was never fitted.
+
+    Of lengths; where the force was measured because only it can tell, of forces.
+    """
     from handgen.discrepancy.problem import Problem
     from handgen.discrepancy.score import NONE, score_problem
     from handgen.discrepancy.verdict import verdict
@@ -134,14 +134,17 @@ def gaps(found, library, draw: Draw, scores) -> dict:
     left = {"before": [], "retuned": [], "patched": []}
     said_first = verdict(scores)
     named = said_first.word in ("named", "pair")
-    for k in range(HOLDS_OUT):
-        out = problem.points[k::HOLDS_OUT]
-        part = score_problem(problem.leaving(out), pairs=len(said_first.best.ids) > 1)
-        rows = np.isin(problem.points, out)
-        best = part[said_first.best.id] if named else part[NONE]
+    chosen = said_first.best if named else scores[NONE]
+    few = replace(problem, library=replace(
+        library, responses={name: library.responses[name] for name in chosen.ids}))
+    tells = library.points(FORCE) if FORCE in draw.ids else problem.points
+    for i, point in enumerate(problem.points):
+        if point not in tells:
+            continue
+        part = score_problem(few.leaving(np.array([point])), pairs=len(chosen.ids) > 1)
         for state, predicted in (("before", library.baseline), ("retuned", part[NONE].predicted),
-                                 ("patched", best.predicted)):
-            left[state] += (predicted[problem.points] - problem.means)[rows].tolist()
+                                 ("patched", part[chosen.id].predicted)):
+            left[state].append(predicted[point] - problem.means[i])
     result = {"named": named, "loads": {state: _rms(values) for state, values in left.items()}}
     known = {test.id: test for test in library.tests}
     if UNSEEN in known:
@@ -149,9 +152,8 @@ def gaps(found, library, draw: Draw, scores) -> dict:
         from tests.worlds.world import run
 
         at, truth = library.points(UNSEEN), run(found.world, asked(known[UNSEEN]), 0, len(found.records))
-        shown = scores[said_first.best.id] if named else scores[NONE]
         result["unseen"] = {state: _rms(predicted[at] - truth) for state, predicted in (
-            ("before", library.baseline), ("retuned", scores[NONE].predicted), ("patched", shown.predicted))}
+            ("before", library.baseline), ("retuned", scores[NONE].predicted), ("patched", chosen.predicted))}
     return result
 
 
