@@ -31,7 +31,7 @@ def write(data: dict, folder: Path, name: str = "hand.yaml") -> Path:
 
 def number(low: float, high: float) -> st.SearchStrategy[float]:
     """A number with three decimals, as people write them; `low` where the range is empty."""
-    first, last = round(low * 1000), round(high * 1000)
+    first, last = math.ceil(low * 1000 - 1e-6), math.floor(high * 1000 + 1e-6)
     return st.integers(first, max(first, last)).map(lambda n: n / 1000)
 
 
