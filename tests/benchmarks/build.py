@@ -27,7 +27,7 @@ from handgen.geometry.catalogue import catalogue, select
 from handgen.parameters.load import load
 parts = catalogue(load(sys.argv[1]).hand)
 for name in select(parts, [sys.argv[2]]):
-    stl.to_bytes(parts[name].mesh)
+    stl.to_bytes(parts[name].triangles)
 """
 CASES = {
     "one finger with its STL": ("exoskeleton/index", 0.6),
@@ -88,15 +88,15 @@ def _warm(pattern: str) -> float:
     from handgen.parameters.load import load
 
     hand = load(PARAMS).hand
-    stl.to_bytes(catalogue(hand)["exoskeleton/little"].mesh)
+    stl.to_bytes(catalogue(hand)["exoskeleton/little"].triangles)
     if pattern == "exoskeleton/hand":
         # Loads marching cubes.
-        stl.to_bytes(catalogue(hand)["exoskeleton/hand"].mesh)
+        stl.to_bytes(catalogue(hand)["exoskeleton/hand"].triangles)
     mesh_kernel.forget()
     start = time.perf_counter()
     parts = catalogue(hand)
     for name in select(parts, [pattern]):
-        stl.to_bytes(parts[name].mesh)
+        stl.to_bytes(parts[name].triangles)
     return time.perf_counter() - start
 
 
