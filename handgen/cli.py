@@ -188,6 +188,23 @@ def _profiles(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED
 
 
+# worksheet
+
+
+def _worksheet_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="PARAMS", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("--moulds", type=_count, default=None, metavar="N",
+                        help="moulds that stand filled at once (casting.mould_sets)")
+
+
+def _worksheet(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.worksheet import worksheet
+
+    result = worksheet(arguments.params, out=arguments.out, moulds=arguments.moulds, progress=output.note)
+    output.result(result, tables.planned(result))
+    return PASSED
+
+
 # validate
 
 
@@ -408,6 +425,8 @@ VERBS = {
                   _slice),
     "profiles": Verb("write slicer profiles of the print settings (to slicer_profiles/)", _profiles_arguments,
                      _profiles),
+    "worksheet": Verb("a page that leads through printing, casting, sealing, assembling",
+                      _worksheet_arguments, _worksheet),
     "validate": Verb("bend what was measured and say how far each model is off", _validate_arguments,
                      _validate),
     "effects": Verb("physical effects that a model file can switch on", _effects_arguments, _effects),

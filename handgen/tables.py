@@ -88,6 +88,18 @@ def sliced(result: dict[str, Any], style: Style) -> str:
     return "\n".join([*lines, "", f"{result['name']}: {verdict}; see {result['out']}"])
 
 
+def planned(result: dict[str, Any]) -> str:
+    """Silicone by mix, the length of the day by moulds, and where the page is."""
+    day = result["days"][str(result["mould_sets"])]
+    silicone = sum(mix["a_g"] + mix["b_g"] for mix in result["mixes"])
+    taken, least = (hours(3600 * day[key]) for key in ("hours", "at_least_hours"))
+    lines = [f"{len(result['mixes'])} mixes, {silicone:.0f} g of silicone; the last actuator leaves its mould"
+             f" after {taken}, no plan is shorter than {least}"]
+    if result["prints"]["not_sliced"]:
+        lines.append(f"{result['prints']['not_sliced']} parts have no print time: run `handgen slice` first")
+    return "\n".join([*lines, f"{result['name']}: see {result['file']}"])
+
+
 def hours(seconds: float) -> str:
     """Seconds as 2 h 05."""
     minutes = round(seconds / 60)

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field
 
 from handgen.parameters.finger import Actuator, Finger, Layers, Thread
 from handgen.parameters.palm import Opposition, Palm
+from handgen.parameters.prices import Prices
 from handgen.parameters.process import Casting, Printing, Seal
 from handgen.parameters.quantity import Model, item, quantity
 from handgen.parameters.rules import Rules
@@ -73,6 +74,7 @@ class Hand(Model):
     casting: Casting
     seal: Seal = item("plugs and collars", default_factory=Seal)
     printing: Printing
+    prices: Prices = item("for the bill of materials", default_factory=Prices)
     rules: Rules = item("own limits and accepted findings of the design rules", default_factory=Rules)
     assumed: dict[str, str] = item(
         "key path (`*` for any key or list index) -> why this value, which the source does not give",

@@ -66,6 +66,30 @@ class Casting(Model):
     post_cure: list[PostCure] = item(
         "heat treatment", source="Section 4.2.2", default_factory=list, max_length=8
     )
+    mixing_loss: float = quantity(
+        "%", 0, 100, "silicone mixed beyond what is poured", default=15.0,
+        assumed="stays on cup, stirrer and gates; weigh your own cups")
+    cup_fill: float = quantity(
+        "%", 0, 100, "share of the pouring cup's height that is filled", default=50.0,
+        assumed="sinks while air leaves, and is trimmed off")
+    mould_sets: int = item(
+        "moulds that stand filled at once", default=7, ge=1, le=50,
+        assumed="the tooling of all seven actuators is printed, and there is room for it")
+    winding_rate: float = quantity(
+        "turns/min", 0.5, 60, "turns of thread wound by hand", default=5.0,
+        assumed="12 s a turn, looking at the pitch")
+    assembly_time: float = quantity(
+        "min", 0.5, 120, "closing a mould and hanging its core", default=5.0,
+        assumed="by hand, with two bands")
+    pour_time: float = quantity(
+        "min", 0.2, 60, "pouring one mould, slowly", default=2.0,
+        assumed="about 10 ml through a gate of 3.5 mm")
+    opening_time: float = quantity(
+        "min", 0.5, 240, "opening a mould, pulling its core, trimming the base", default=10.0,
+        assumed="the source calls it the step that needs most care")
+    cooling_time: float = quantity(
+        "h", 0, 24, "back to room temperature after the oven", default=0.5,
+        assumed="thin silicone cools quickly")
     adhesive: str = item(
         "glue of plug and collar", source="Section 4.2.2", default="Loctite 401", max_length=60
     )
@@ -182,6 +206,15 @@ class Seal(Model):
     tube_fit: float = quantity(
         "mm", 0, 1, "radial clearance of the tube in its hole", default=0.05, assumed="glued in"
     )
+    tube_length: float = quantity(
+        "mm", 20, 5000, "air tube of one actuator", default=400.0,
+        assumed="from the fingertip's base to a valve behind the wrist")
+    leak_pressure: float = quantity(
+        "kPa", 1, 200, "pressure of the leak test, the actuator free under water", default=20.0,
+        assumed="a third of the working pressure: free of its finger an actuator folds above 50 kPa")
+    leak_time: float = quantity(
+        "min", 0.1, 60, "how long it must hold without a bubble", default=1.0,
+        assumed="long enough to look at it from all sides")
 
 
 class PrintProcess(Model):

@@ -118,6 +118,8 @@ def check(pieces: Pieces) -> Iterator[Fault]:
     if pieces.fingers is not None and pieces.actuators is not None:
         yield from pairing(fingers, actuators)
         yield from opposed(pieces, fingers, actuators)
+    if pieces.casting is not None:
+        yield from casting(pieces.casting)
     for name, process in (pieces.processes or {}).items():
         if process is not None:
             yield from roles(process, name)
@@ -368,6 +370,17 @@ def hand_length(palm: Palm | None, middle: Finger | None) -> Iterator[Fault]:
         yield Fault(("palm", "length"), "is not where the middle finger ends "
                     f"(root x {middle.placement.root[0]:g} + outer_length {middle.outer_length:g} mm)",
                     palm.length, f"{length:g} mm within {LENGTH_TOLERANCE:g}")
+
+
+def casting(given: Casting) -> Iterator[Fault]:
+    least, pot_life = given.mixing_time + given.settling_time + given.pour_time, given.silicone.pot_life
+    if pot_life < least - ROUNDING:
+        yield Fault(("casting", "silicone", "pot_life"), "is over before the first mould is full", pot_life,
+                    f"at least {least:g} min (mixing_time + settling_time + pour_time)")
+    if given.cure_temperature < given.minimum_cure_temperature - ROUNDING:
+        yield Fault(("casting", "cure_temperature"), "is colder than the silicone cures",
+                    given.cure_temperature,
+                    f"at least {given.minimum_cure_temperature:g} degC (minimum_cure_temperature)")
 
 
 def roles(process: PrintProcess, name: str) -> Iterator[Fault]:

@@ -37,6 +37,7 @@ class Job:
     profile: Profile
     machine: Printer
     slicer: str
+    asked: str
     key: str
     """Names the content: equal keys have equal G-code."""
 
@@ -96,11 +97,19 @@ def _slicers(asked: Iterable[str] | None) -> list[str]:
     return asked
 
 
+def asked_key(hand: Hand, part: Part) -> str:
+    """Of what is printed and how, whichever slicer does it: known without a slicer, and without a mesh."""
+    used = profile(hand.printing, column(part.role, part.name), part.role)
+    return csg.digest((part.key, used.name, used.adhesion, used.support, used.filament_diameter,
+                       used.process.model_dump_json(), printer(hand.printing).name,
+                       *printer(hand.printing).volume))
+
+
 def _job(hand: Hand, part: Part, slicer: str) -> Job:
     used, machine = profile(hand.printing, column(part.role, part.name), part.role), printer(hand.printing)
     key = csg.digest((salt(("geometry", "slicing")), part.key, slicer, engines.version(slicer),
                       engines.settings(slicer, used, machine)))
-    return Job(part, used, machine, slicer, key)
+    return Job(part, used, machine, slicer, asked_key(hand, part), key)
 
 
 def _run(jobs: list[Job], store: files.Slices, say: Progress, workers: int) -> tuple[list[dict], list[str]]:
@@ -153,5 +162,6 @@ def _slice(job: Job, store: files.Slices, mesh: Path, mm3: float) -> dict[str, A
         "print_time_s": ran.print_time, "filament_mm": round(ran.filament, 1),
         "filament_g": round(job.profile.grams(ran.filament), 2), "layers": len(path.heights),
         "warnings": list(ran.warnings), "agrees": all(row.equal is not False for row in rows),
-        "table": [row.as_dict() for row in rows], "sha256": sha256, "key": job.key,
+        "table": [row.as_dict() for row in rows], "sha256": sha256, "asked": job.asked,
+        "key": job.key,
     }
