@@ -1,6 +1,8 @@
 """Scoring, verdict, location and the next test, on arrays: against integrals done otherwise, and as
 properties."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -123,6 +125,28 @@ def test_twins_are_told_as_a_class_and_the_test_that_parts_them_is_asked_for():
     done = Readings("angle", truth(wide, glide=1.0)[wide.points("angle")] + rng.standard_normal((3, 3)), 0.5)
     settled = verdict(score(wide, Observed((*seen.tests, done))))
     assert (settled.word, settled.effects) == ("named", ("glide",))
+
+
+def test_a_size_that_only_an_unread_test_cannot_predict_stays_possible():
+    wide = library((*TESTS, *MORE))
+    seen = readings(wide, truth(wide, sag=1.2))
+    lost = wide.responses["sag"].predictions.copy()
+    lost[2:, wide.points("up")] = np.nan
+    sag = replace(wide.responses["sag"], predictions=lost)
+    gappy = replace(wide, responses=wide.responses | {"sag": sag})
+    found, whole = score(gappy, seen), score(wide, seen)
+    for name in ("sag", "sag+curl"):
+        assert found[name].log_evidence == pytest.approx(whole[name].log_evidence, abs=1e-9)
+    assert found["sag"].parameters == whole["sag"].parameters
+    assert ask.proposal(found, "up", {"tip_drop": 0.5}).gain == 0.0
+
+
+def test_no_test_is_asked_for_that_tells_nothing():
+    wide = library((*TESTS, *MORE))
+    found = score(wide, readings(wide, truth(wide, sag=1.2)))
+    assert found["sag"].probability > 0.5
+    blunt = {"tip_drop": 500.0, "bend_angle": 500.0}
+    assert ask.next_test(found, ["angle", "up"], blunt) is None
 
 
 @pytest.mark.parametrize("whole", [True, False])

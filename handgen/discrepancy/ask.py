@@ -16,8 +16,11 @@ import numpy as np
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import OUTSIDE, Grid, Scores
 
-TOLD = 0.4
-"""Bhattacharyya's coefficient below which a test tells two explanations apart."""
+TOLD = 0.7
+"""Bhattacharyya's coefficient below which a test helps to tell two explanations apart: of two as probable as
+each other, at most half of it is taken for the wrong one."""
+WORTH = 0.05
+"""Gain below which no test is worth doing."""
 LIKELY = 0.02
 """Probability below which an explanation is not asked about."""
 
@@ -40,27 +43,29 @@ def next_test(scores: Scores, candidates: Sequence[str], sigmas: Mapping[str, fl
     """
     found = [proposal(scores, name, sigmas) for name in candidates]
     best = max(found, key=lambda one: one.gain, default=None)
-    return best if best is not None and best.separates else None
+    return best if best is not None and best.gain >= WORTH else None
 
 
 def proposal(scores: Scores, test: str, sigmas: Mapping[str, float]) -> Proposal:
     """What `test` would tell."""
     problem, library = scores.problem, scores.problem.library
     points = library.points(test)
-    points = points[np.isfinite(library.baseline[points])]
+    asked = [h for h in scores.hypotheses if h.probability >= LIKELY and h.id != OUTSIDE]
+    there = np.isfinite(np.array([library.baseline, *(h.centre for h in asked)])).all(axis=0)
+    points = points[there[points]]
     series = next(one for one in library.tests if one.id == test)
     noise = sigmas[series.quantity] ** 2 * np.eye(len(points))
-    asked = [h for h in scores.hypotheses if h.probability >= LIKELY and h.id != OUTSIDE]
     if len(points) == 0 or len(asked) < 2:
         return Proposal(test, 0.0, ())
     foreseen = {h.id: foresee(problem, h.ids, h.centre, points) for h in asked}
-    gain, told = 0.0, []
+    gain, first = 0.0, {}
     for a, b in combinations(asked, 2):
         alike = coefficient(foreseen[a.id], foreseen[b.id], noise)
         gain += 2 * a.probability * b.probability * (1 - alike)
-        if alike < TOLD and a is asked[0]:
-            told.append(b.id)
-    return Proposal(test, gain, (asked[0].id, *told) if told else ())
+        if a is asked[0]:
+            first[b.id] = alike
+    told = [name for name, alike in first.items() if alike < TOLD] or [min(first, key=first.get)]
+    return Proposal(test, gain, (asked[0].id, *told))
 
 
 def foresee(

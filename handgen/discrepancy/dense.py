@@ -20,14 +20,24 @@ class Dense:
     values: np.ndarray
     """(m, d)."""
     predictions: np.ndarray
-    """(m, n)."""
+    """(m, n), NaN where the simulation found no balance."""
     log_weights: np.ndarray
     """(m,), their exponentials add up to 1."""
+
+    def on(self, points: np.ndarray) -> Dense:
+        """Only the values that have a prediction at all of `points`: what was not read forbids nothing."""
+        there = np.isfinite(self.predictions[:, points]).all(axis=1)
+        if there.all():
+            return self
+        weights = self.log_weights[there]
+        if len(weights):
+            weights = weights - np.logaddexp.reduce(weights)
+        return Dense(self.values[there], self.predictions[there], weights)
 
 
 def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictions: np.ndarray,
           counts: dict[int, int] = FINE) -> Dense:
-    """Monotone cubic interpolation (PCHIP) axis by axis; values without a prediction weigh nothing."""
+    """Monotone cubic interpolation (PCHIP) axis by axis; NaN where there is no prediction, see `Dense.on`."""
     d = len(axes)
     count = counts[d]
     lines, weights = [], []
@@ -46,7 +56,7 @@ def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictio
     for more in weights[1:]:
         weight = np.multiply.outer(weight, more)
     weight, found = weight.ravel(), found.reshape(-1, predictions.shape[-1])
-    usable = np.isfinite(found).all(axis=1) & (weight > 0)
+    usable = np.isfinite(found).any(axis=1) & (weight > 0)
     values, found, weight = values[usable], found[usable], weight[usable]
     return Dense(values, found, np.log(weight / weight.sum()) if len(weight) else weight)
 

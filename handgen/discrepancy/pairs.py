@@ -17,7 +17,7 @@ from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
 def drafts(problem: Problem, names: Sequence[str]) -> list[Draft]:
     """A draft of every pair of `names`."""
     library = problem.library
-    coarse = {name: coarsened(library.responses[name]) for name in names}
+    coarse = {name: coarsened(library.responses[name]).on(problem.scored) for name in names}
     base = library.baseline[problem.scored]
     residual = problem.data - base
     moves = {name: found.predictions[:, problem.scored] - base for name, found in coarse.items()}

@@ -93,7 +93,7 @@ class Grid:
     @classmethod
     def of(cls, problem: Problem, whiteners: Sequence[Whitener], name: str,
            shares: Sequence[float] = SCALE_WEIGHTS) -> Grid:
-        dense = problem.library.responses[name].dense
+        dense = problem.library.responses[name].dense.on(problem.scored)
         residuals = problem.data - dense.predictions[:, problem.scored]
         white = tuple(whiten(residuals) for whiten in whiteners)
         densities = np.array([

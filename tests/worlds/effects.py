@@ -146,22 +146,25 @@ def contact_angle(world: World, rng: np.random.Generator) -> Drawn:
 
 
 def thread_spacing(world: World, rng: np.random.Generator) -> Drawn:
-    """Between turns that lie farther apart the wall bulges: it gets thinner, and pushes on a larger
-    circle."""
-    size = rng.uniform(1.3, 3.0)
-    bulge = 0.02 * (size**2 - 1)
+    """Between turns that lie farther apart the wall bulges.
+
+    A tube that is not held around does not grow longer at all at first (Lame, incompressible): what it grows
+    wider it loses in length, in proportion. Then the bulging wall gets thinner, and gives way.
+    """
+    size = rng.uniform(1.3, 2.6)
+    loose = 0.04 * (size**2 - 1)
 
     def bulged(finger: Finger, moment: Moment) -> Finger:
-        share = bulge * moment.pressure / 60
-        return replace(finger, wall=stressed(finger, 1 - share), area=finger.area * (1 + share))
+        held = 1 + loose * (1.0 if moment.test.part == "actuator" else 0.6)
+        return replace(finger, wall=stressed(finger, held * (1 - loose * (moment.pressure / 60) ** 2)))
 
     return world.then(change=bulged), size
 
 
 def asymmetric_winding(world: World, rng: np.random.Generator) -> Drawn:
     """Turns denser on one side: the free actuator becomes an arc, in the finger it bends the joints; deg at
-    60."""
-    size = either(rng, 15.0, 90.0)
+    60, as a tube does whose wall is up to half a millimetre thicker on one side than drawn."""
+    size = either(rng, 10.0, 55.0)
     f = world.finger
     curvature = math.radians(size) / 60 / f.active
 

@@ -185,13 +185,24 @@ def balance(finger: Finger, pose: Pose, pressure: float, load: float, start: np.
         np.zeros(chain.LINKS) if drag is None else drag, a["links"], weight, a["off"], body, act,
         np.array(finger.wall), loads)
     state = State(t, imbalance)
-    low = min(chain.tip_height(t, a["links"], a["off"], body, reach)[0] for reach in body[:2])
+    heights = [chain.tip_height(t, a["links"], a["off"], body, reach)[0] for reach in body[:2]]
+    low = _lowest(finger, t, heights)
     turns = np.diff(t, prepend=0.0) - rest
     state.values = {
         "tip_drop": -low - finger.palm, "bend_angle": math.degrees(t[-1]),
         "elongation": float((a["arm"] * turns).sum()),
         "tip_force": finger.floor * max(plane - low, 0.0) if pose.plane else 0.0}
     return state
+
+
+def _lowest(finger: Finger, t: np.ndarray, heights: list[float]) -> float:
+    """Height of the tip's lowest point, mm: of a tube that ends in half a ball.
+
+    `heights`: of the underside of a ball about the tube's axis, 5 mm before the end of the bore and there.
+    """
+    ring = finger.tip_radius * (1.0 - abs(math.cos(t[-1])))
+    ball = 0.0 if t[-1] >= 0.0 else ring
+    return min(heights[0] + ring, heights[1] + ball)
 
 
 def free_elongation(finger: Finger, pressure: float) -> float:
