@@ -199,6 +199,15 @@ def test_the_page_says_what_to_do(undrawn, tmp_path, capsys):
     assert not re.search(r"\b(nan|None|inf)\b", text)
 
 
+def test_a_finger_alone_is_what_is_needed(undrawn, tmp_path, capsys):
+    assert cli.main(["worksheet", str(PARAMS / "thesis_finger.yaml"), "--out", str(tmp_path), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["prints"]["not_sliced"] == 9 and told["cost"]["sum"] == 0
+    html = (tmp_path / "worksheet.html").read_text()
+    assert "for trials" not in html
+    assert "no prices: give them" in html and "Tips are filled afterwards" in html
+
+
 def test_fewer_moulds_make_a_longer_day(undrawn, tmp_path, capsys):
     assert cli.main(["worksheet", ADULT, "--out", str(tmp_path), "--moulds", "2", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)

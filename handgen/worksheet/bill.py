@@ -79,7 +79,7 @@ def _filaments(hand: Hand, printed: list[Print]) -> list[Line]:
             f"{len(needed)} part{'s' * (len(needed) > 1)}", grams if known else None,
             grams / needed[0].profile.process.density if known else None,
             per_kg * grams / 1000 if known and per_kg is not None else None,
-            note if known else "run `handgen slice` for the mass"))
+            note if known else "run handgen slice for the mass"))
     return lines
 
 

@@ -11,11 +11,12 @@ from handgen.worksheet import bill, prints, steps
 from handgen.worksheet.chart import WORDS, chart
 from handgen.worksheet.prints import Print
 from handgen.worksheet.sheet import Sheet
-from handgen.worksheet.silicone import FIRST, SECOND, Portion
+from handgen.worksheet.silicone import FIRST, SECOND, TIP, Portion
 from handgen.worksheet.style import STYLE
 from handgen.worksheet.timeline import CURE, POUR, Step, Timeline
 
 LAYERS = {FIRST: "outer layer", SECOND: "inner layer"}
+TIPS = " Tips are filled afterwards, from a mix of their own and with a cure of their own."
 SLICERS = {"prusaslicer": "PrusaSlicer", "cura": "Cura"}
 SOURCE = "the source printed its hand in about 30 h and weighed 92 g (Section 4.2.3, Equation 5.1)"
 
@@ -34,7 +35,7 @@ def page(sheet: Sheet) -> str:
         *(_section(f"5.{i} {_words(name)}", _actuator(sheet, name), "sheet")
           for i, name in enumerate(sheet.pours, 1)),
         _section("6. After the last mould", _list(steps.post_cure(hand, sheet.day.end))),
-        _section("7. Put the hand together", _list(steps.assembling(hand))),
+        _section("7. Put it together", _list(steps.assembling(hand))),
         _section("8. What is assumed here", _assumptions(sheet)),
         f"<footer>handgen {__version__}; parameters {sheet.loaded.sha256[:12]}</footer>",
     ))
@@ -50,7 +51,7 @@ def page(sheet: Sheet) -> str:
 def _printing(sheet: Sheet) -> str:
     rows = [_print_row(one) for one in sheet.prints]
     seconds, grams, unknown = prints.total([one for one in sheet.prints if one.needed])
-    told = f"All that the hand needs: {tables.hours(seconds)}, {grams:.0f} g of filament."
+    told = f"All that is needed: {tables.hours(seconds)}, {grams:.0f} g of filament."
     if unknown:
         told = f"<b>{unknown} parts have no time yet:</b> run <code>handgen slice</code> first."
     machine = escape(printer(sheet.loaded.hand.printing).name)
@@ -99,7 +100,9 @@ def _bill(sheet: Sheet) -> str:
              "" if line.price is None else f"{line.price:.2f}", escape(line.note)] for line in sheet.bill]
     total, without = bill.cost(sheet.bill)
     rows.append(["<b>together</b>", "", "", "", f"<b>{total:.2f}</b>",
-                 escape(f"without {', '.join(without)}") if without else ""])
+                 escape(f"without {', '.join(without)}" if len(without) < len(sheet.bill) else
+                        "no prices: give them in the parameter file")
+                 if without else ""])
     extra = _table(["", "and, not in the sum"],
                    [["&#9744;", escape(f"{what}: {why}")] for what, why in bill.CONSUMABLES])
     head = ["material", "amount", "mass", "volume", prices.currency, ""]
@@ -138,7 +141,8 @@ def _day(sheet: Sheet) -> str:
         _list(steps.preparation(hand)), f"<p>{escape(steps.mixing(hand))}</p>",
         chart(day, list(sheet.pours)),
         _table(["moulds filled at once", "until the last is out", "mixes", "any shorter?"], compared),
-        "<p>One pair of hands. Cures are least times: a night may fall into any of them.</p>",
+        "<p>One pair of hands. Cures are least times: a night may fall into any of them."
+        f"{TIPS * any(pour.layer == TIP for made in sheet.pours.values() for pour in made)}</p>",
         _table(["", "from", "to", "do", "actuator", "silicone"], rows)))
 
 

@@ -32,11 +32,8 @@ class Print:
     profile: Profile
     slices: dict[str, dict[str, Any]]
     """Slicer -> its row of slices.json, where that is of this part and these settings."""
-
-    @property
-    def needed(self) -> bool:
-        """Whether the hand needs it; single fingers are for trials, where there is a whole hand."""
-        return self.profile.column != "finger"
+    needed: bool
+    """Single fingers are for trials, where there is a whole hand."""
 
     @property
     def slice(self) -> dict[str, Any] | None:
@@ -45,15 +42,16 @@ class Print:
 
 def prints(hand: Hand, folder: Path) -> list[Print]:
     """All printed parts; what was sliced into `folder` for other parameters is passed over."""
-    rows = files.read(folder)
+    rows, listed = files.read(folder), printed(hand)
     found = []
-    for name, part in printed(hand).items():
+    for name, part in listed.items():
         key = asked_key(hand, part)
         slices = {row["slicer"]: row for row in rows if row["part"] == name and row.get("asked") == key}
         texts = list(embossed(part.shape))
         number = texts[0] if texts else _number(hand, part)
         used = profile(hand.printing, column(part.role, name), part.role)
-        found.append(Print(part, number, bool(texts), used, slices))
+        needed = used.column != "finger" or HAND not in listed
+        found.append(Print(part, number, bool(texts), used, slices, needed))
     return found
 
 
