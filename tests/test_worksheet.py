@@ -185,6 +185,7 @@ def test_the_page_says_what_to_do(undrawn, tmp_path, capsys):
     text = " ".join(" ".join(reader.words).split())
     for name in ("index a", "index b", "Ic", "Id", "Ie", "If", "Ig", "O2e", "little b"):
         assert name in text
+    assert "put the suspender <b>If</b> on top" in html
     # Every pour of the day is in one mix, and no mix is larger than its pours and loss.
     assert sorted(map(tuple, (fill for mix in told["mixes"] for fill in mix["fills"]))) == sorted(
         (pour["actuator"], pour["layer"]) for pour in told["pours"])

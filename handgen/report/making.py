@@ -107,7 +107,7 @@ def _why(survey: Survey, sliced: Iterable[dict[str, Any]]) -> Iterable[str]:
         f"its own density of {mass / volume:.3f} g/cm3 says too. Ours are the numbers of a solid print; they "
         "are not tuned to match.")
     if any(row["part"] == HAND for row in sliced):
-        yield "Slicers add travel, supports and slow outer walls to that least time."
+        yield f"Slicers add {process.flow:g} % flow, support and travel to that least time."
 
 
 def _sliced(rows: Iterable[dict[str, Any]]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -172,8 +173,9 @@ def _moment(step: Step, mix: tuple[list[Step], Portion] | None, pot_life: float)
 
 def _actuator(sheet: Sheet, name: str) -> str:
     winding = next(w for w in sheet.windings if w.actuator == name)
-    groups = steps.actuator(sheet.loaded.hand, winding, sheet.pours[name], sheet.numbers(name))
-    words = "".join(f"<h3>{escape(title)}</h3>{_list(todo)}" for title, todo in groups)
+    numbers = sheet.numbers(name)
+    groups = steps.actuator(sheet.loaded.hand, winding, sheet.pours[name], numbers)
+    words = "".join(f"<h3>{escape(title)}</h3>{_list(todo, numbers.values())}" for title, todo in groups)
     shown = "".join(f'<img src="{uri}" alt="{escape(_words(name))}: {what}">'
                     for uri, what in zip(sheet.pictures.get(name, ()), ("its tooling", "its two pours"),
                                          strict=False))
@@ -194,8 +196,12 @@ def _section(title: str, content: str, kind: str = "") -> str:
     return f'<section class="{kind}"><h2>{escape(title)}</h2>{content}</section>'
 
 
-def _list(todo: Iterable[str]) -> str:
-    return "<ul class=\"todo\">" + "".join(f"<li>{escape(line)}</li>" for line in todo) + "</ul>"
+def _list(todo: Iterable[str], numbers: Iterable[str] = ()) -> str:
+    """Boxes to tick; part `numbers` stand out from the words (one of them is "If")."""
+    lines = "".join(f"<li>{escape(line)}</li>" for line in todo)
+    if found := "|".join(map(re.escape, numbers)):
+        lines = re.sub(rf"\b({found})\b", r"<b>\1</b>", lines)
+    return f'<ul class="todo">{lines}</ul>'
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], numbers: Iterable[int] = ()) -> str:

@@ -46,9 +46,9 @@ def actuator(hand: Hand, winding: Winding, pours: Sequence[Pour],
             f"Cut {winding.cut / 1000:.2f} m of {winding.material} thread, {winding.diameter:g} mm, and wind"
             f" {winding.turns:.1f} turns {winding.pitch:g} mm apart on the large core {n['core_large']}."
             " Clamp the end in the slot of the flange. Clean thread, not too tight, no adhesive tape.",
-            f"Close {n['mould_a']} and {n['mould_b']}, stand them in {n['mould_base']}, put"
-            f" {n['suspender']} on top, a rubber band in each groove. Hang"
-            f" {n['core_large']} in the suspender: its flange lies on the hub.",
+            f"Close {n['mould_a']} and {n['mould_b']}, stand them in the base {n['mould_base']}, put the"
+            f" suspender {n['suspender']} on top, a rubber band in each groove. Hang {n['core_large']} in the"
+            " suspender: its flange lies on the hub.",
             f"Pour {first} slowly, until the silicone stands {cup:.0f} mm above the actuator's base.",
             f"Let it cure {casting.silicone.cure_time:g} h.",
             f"Open the mould at the notches and pull {n['core_large']} slowly out of the layer: the thread"
@@ -56,7 +56,7 @@ def actuator(hand: Hand, winding: Winding, pours: Sequence[Pour],
             " cup begins.",
         ]),
         ("III. Inner layer", [
-            f"Put the layer back, close the mould, hang the small core {n['core_small']} in"
+            f"Put the layer back, close the mould, hang the small core {n['core_small']} in the suspender"
             f" {n['suspender']}.",
             f"Pour {second} to the same height.",
             f"Let it cure {casting.silicone.cure_time:g} h, open, pull {n['core_small']}, trim the base.",
