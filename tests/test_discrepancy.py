@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from handgen.discrepancy import ask, gaussian, outside
-from handgen.discrepancy.library import Library
+from handgen.discrepancy import ask, gaussian, law, outside
+from handgen.discrepancy.library import Library, Series, same_state
 from handgen.discrepancy.locate import compared, locate
 from handgen.discrepancy.observed import Observed, Readings
 from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
-from handgen.discrepancy.score import score, score_problem
+from handgen.discrepancy.score import lawful, score, score_problem
 from handgen.discrepancy.verdict import verdict
 from tests.small_library import MORE, TESTS, library, readings, truth
 
@@ -103,6 +103,14 @@ def test_a_struck_off_effect_is_not_replaced_by_a_wrong_one():
     assert said.word in ("outside", "ambiguous")
 
 
+def test_striking_an_effect_off_is_scoring_without_it():
+    lib = library()
+    seen = readings(lib, truth(lib, sag=1.0))
+    struck, anew = score(lib, seen).without("sag"), score(lib.without("sag"), seen)
+    assert list(struck.probabilities) == list(anew.probabilities)
+    assert list(struck.probabilities.values()) == pytest.approx(list(anew.probabilities.values()))
+
+
 def test_what_does_not_fit_is_vetoed():
     """The only explanation offered is far better than none and still wrong."""
     lib = library().without("sag", "curl", "slide", "glide")
@@ -139,6 +147,40 @@ def test_a_size_that_only_an_unread_test_cannot_predict_stays_possible():
         assert found[name].log_evidence == pytest.approx(whole[name].log_evidence, abs=1e-9)
     assert found["sag"].parameters == whole["sag"].parameters
     assert ask.proposal(found, "up", {"tip_drop": 0.5}).gain == 0.0
+
+
+def test_another_law_of_an_effect_is_still_that_effect_and_no_pair():
+    """Its size grows over the load from 0.8 to 1.2, as another law's would."""
+    lib = library()
+    x = np.concatenate([np.array(t.loads) / max(t.loads) for t in lib.tests])
+    straight = truth(lib, curl=1.5)
+    bent = lib.baseline + (0.8 + 0.4 * x) * (straight - lib.baseline)
+    problem = lawful(Problem.of(lib, readings(lib, bent)))
+    residual = (bent - straight)[problem.scored]
+    without, with_ = problem.covariance(), problem.covariance(ids=("curl",))
+    assert residual @ np.linalg.solve(with_, residual) < 0.5 * residual @ np.linalg.solve(without, residual)
+    said = verdict(score(lib, readings(lib, bent)))
+    assert (said.word, said.effects) == ("named", ("curl",))
+
+
+def test_what_a_law_gets_wrong_is_a_share_of_what_its_effect_moves():
+    lib = library()
+    grid = lib.responses["sag"].dense
+    at = int(np.abs(grid.values[:, 0] - 1.5).argmin())
+    found = law.errors(lib, {"sag": grid}, {"sag": at})["sag"]
+    moved = np.abs(grid.predictions[at] - lib.baseline)
+    assert np.sqrt(np.diag(found)) == pytest.approx(law.SHARE * moved, rel=1e-3)
+    assert np.linalg.eigvalsh(found).min() > -1e-9 * found.max()
+    assert not found[lib.points("finger")][:, lib.points("free")].any()
+
+
+def test_the_way_back_repeats_the_errors_of_the_way_there():
+    back = Series("back", "assembly", "tip_drop", TESTS[2].loads[::-1], path="unloading")
+    same, loads = same_state((*TESTS, *MORE, back))
+    lib = library((*TESTS, *MORE))
+    up, down = np.flatnonzero(lib.owner == 2), lib.size + np.arange(6)
+    assert same[np.ix_(up, down)].all() and loads[up] == pytest.approx(loads[down][::-1])
+    assert not same[np.ix_(down, np.flatnonzero(lib.owner != 2))].any()
 
 
 def test_no_test_is_asked_for_that_tells_nothing():

@@ -23,3 +23,12 @@ def alike(scores: Scores, first: str, second: str) -> bool:
 def class_of(scores: Scores, leader: str, among: Sequence[str]) -> tuple[str, ...]:
     """`leader` and those `among` that predict the same."""
     return (leader, *(name for name in among if name != leader and alike(scores, leader, name)))
+
+
+def classes(scores: Scores, among: Sequence[str]) -> list[tuple[str, ...]]:
+    """`among` parted into classes that predict the same, each led by its most probable explanation."""
+    left, found = list(among), []
+    while left:
+        found.append(class_of(scores, left[0], left))
+        left = [name for name in left if name not in found[-1]]
+    return found

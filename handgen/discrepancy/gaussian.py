@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dtrtri
 
 
 @dataclass(frozen=True)
@@ -20,14 +21,14 @@ class Whitener:
         jitter = 1e-9 * float(np.trace(covariance)) / max(len(covariance), 1)
         return cls(np.linalg.cholesky(covariance + jitter * np.eye(len(covariance))))
 
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Of `lower`: many rows are whitened by one covariance."""
+        return dtrtri(self.lower, lower=1)[0]
+
     def __call__(self, rows: np.ndarray) -> np.ndarray:
         """(..., s) whitened along the last axis."""
-        flat = rows.reshape(-1, rows.shape[-1])
-        return solve_triangular(self.lower, flat.T, lower=True).T.reshape(rows.shape)
-
-    def back(self, rows: np.ndarray) -> np.ndarray:
-        """C^-1 applied to whitened rows: L^-T."""
-        return solve_triangular(self.lower.T, rows.T, lower=False).T
+        return rows @ self.inverse.T
 
     @property
     def log_norm(self) -> float:

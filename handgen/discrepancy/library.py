@@ -41,6 +41,27 @@ class Series:
         """Tests of one kind share what the model gets wrong."""
         return f"{self.part} {self.quantity}"
 
+    @property
+    def state(self) -> tuple:
+        """What is read of what in which pose."""
+        return self.part, self.quantity, self.orientation, self.obstacle
+
+
+def same_state(tests: Sequence[Series]) -> tuple[np.ndarray, np.ndarray]:
+    """(which points read the same thing in the same pose, whatever the path, (n, n) of 0 and 1; load of each
+    point as a share of the largest of all that do, (n,)).
+
+    What a mesh or a law gets wrong there is wrong going up as going down.
+    """
+    points = [(test.state, load) for test in tests for load in test.loads]
+    reach: dict[tuple, float] = {}
+    for state, load in points:
+        reach[state] = max(load, reach.get(state, 0.0))
+    known = list(reach)
+    group = np.array([known.index(state) for state, _ in points])
+    shares = np.array([load / (reach[state] or 1.0) for state, load in points])
+    return (group[:, None] == group[None, :]).astype(float), shares
+
 
 @dataclass(frozen=True)
 class Response:

@@ -9,8 +9,9 @@ import numpy as np
 from handgen.discrepancy.gaussian import log_sum
 from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
 
-AMPLITUDES = (0.02, 0.05, 0.12, 0.3)
-"""Of the process, as shares of the largest prediction of its kind."""
+AMPLITUDES = (0.05, 0.12, 0.3)
+"""Of the process, as shares of the largest prediction of its kind; less is what a mesh and fingers within
+tolerance leave open anyway, and no finding."""
 LENGTHS = (0.35, 1.0)
 """Over which it changes, as shares of the largest load."""
 ABSENT = 0.5

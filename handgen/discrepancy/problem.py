@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +31,8 @@ class Problem:
     """(m, m) covariance of the means: repeats, resolution."""
     used: np.ndarray
     """(m,) whether a point takes part in the scoring; the others are only predicted."""
+    laws: Mapping[str, np.ndarray] = field(default_factory=dict)
+    """Effect -> (n, n) covariance of what its law gets wrong, see `law`."""
 
     @classmethod
     def of(cls, library: Library, observed: Observed, *, everything: bool = False) -> Problem:
@@ -56,8 +58,7 @@ class Problem:
 
     def leaving(self, points: np.ndarray) -> Problem:
         """The same with some of the library's points only predicted."""
-        return Problem(self.library, self.points, self.means, self.errors,
-                       self.used & ~np.isin(self.points, points))
+        return replace(self, used=self.used & ~np.isin(self.points, points))
 
     @cached_property
     def scored(self) -> np.ndarray:
@@ -94,13 +95,14 @@ class Problem:
         return base + sum((one - base for one in local if one is not None), np.zeros_like(base))
 
     def structural(self, ids: Sequence[str]) -> np.ndarray:
-        """(n, n); of two effects the one that leaves more open."""
+        """(n, n); of two effects the one that leaves more open, and what the laws of both get wrong."""
         local = [self.library.responses[name].structural for name in ids]
-        return max((one for one in local if one is not None), key=np.trace, default=self.library.structural)
+        found = max((one for one in local if one is not None), key=np.trace, default=self.library.structural)
+        return sum((self.laws[name] for name in ids if name in self.laws), found)
 
     def local(self, ids: Sequence[str]) -> tuple[str, ...]:
-        """Those of `ids` with which what is open was simulated anew."""
-        return tuple(name for name in ids if self.library.responses[name].local)
+        """Those of `ids` that leave something else open than the model without them."""
+        return tuple(name for name in ids if name in self.laws or self.library.responses[name].local)
 
     def whiteners(self, ids: Sequence[str] = ()) -> list[Whitener]:
         """One for each of SCALES."""

@@ -9,11 +9,11 @@ explanation, with all that it leaves open, foresaw the data.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from handgen.discrepancy import outside
+from handgen.discrepancy import law, outside
 from handgen.discrepancy import pairs as of_pairs
 from handgen.discrepancy.gaussian import Whitener, log_sum
 from handgen.discrepancy.hypothesis import Draft, Hypothesis, estimates
@@ -45,6 +45,14 @@ class Scores:
         """Probability that an effect is there, alone or with another."""
         return sum(h.probability for h in self.hypotheses if effect in h.ids)
 
+    def without(self, *effects: str, prior: Mapping[str, float] = PRIOR) -> Scores:
+        """What is left with `effects` struck off the catalogue."""
+        library = self.problem.library.without(*effects)
+        kept = [h for h in self.hypotheses if not set(effects) & set(h.ids)]
+        shares = _shares(library, kept, prior)
+        found = [replace(h, probability=share) for h, share in zip(kept, shares, strict=True)]
+        return Scores(replace(self.problem, library=library), _ordered(found))
+
 
 def score(library: Library, observed: Observed, *, pairs: bool = True, everything: bool = False,
           prior: Mapping[str, float] = PRIOR) -> Scores:
@@ -58,8 +66,9 @@ def score(library: Library, observed: Observed, *, pairs: bool = True, everythin
     return score_problem(Problem.of(library, observed, everything=everything), pairs=pairs, prior=prior)
 
 
-def score_problem(problem: Problem, *, pairs: bool = True, prior: Mapping[str, float] = PRIOR) -> Scores:
-    """The same of a problem that is set up already.
+def score_problem(problem: Problem, *, pairs: bool = True, process: bool = True,
+                  prior: Mapping[str, float] = PRIOR) -> Scores:
+    """The same of a problem that is set up already; without `process` nothing outside is looked for.
 
     Raises:
         ValueError: nothing to score.
@@ -67,14 +76,25 @@ def score_problem(problem: Problem, *, pairs: bool = True, prior: Mapping[str, f
     if not problem.used.any():
         raise ValueError("no reading takes part in the scoring")
     library = problem.library
+    problem = lawful(problem)
     grids = {name: Grid.of(problem, problem.whiteners((name,)), name) for name in library.responses}
     found = [_none(problem)]
     found += [_single(problem, grid) for grid in grids.values()]
-    evidence, learned = outside.log_evidence(problem, library.baseline)
-    found.append(Draft(OUTSIDE, (), evidence, {}, library.baseline + learned, 0, problem))
+    if process:
+        evidence, learned = outside.log_evidence(problem, library.baseline)
+        found.append(Draft(OUTSIDE, (), evidence, {}, library.baseline + learned, 0, problem))
     if pairs and len(grids) > 1:
         found += of_pairs.drafts(problem, list(grids))
     return Scores(problem, _weighed(library, found, prior))
+
+
+def lawful(problem: Problem) -> Problem:
+    """`problem` with what every effect's law gets wrong where the effect explains the data best."""
+    bare = replace(problem, laws={})
+    grids = {name: Grid.of(bare, bare.whiteners((name,)), name) for name in problem.library.responses}
+    best = {name: int((np.logaddexp.reduce(grid.log_densities) + grid.log_weights).argmax())
+            for name, grid in grids.items() if len(grid.values)}
+    return replace(problem, laws=law.errors(problem.library, grids, best))
 
 
 @dataclass(frozen=True)
@@ -120,14 +140,23 @@ def _single(problem: Problem, grid: Grid) -> Draft:
 
 
 def _weighed(library: Library, drafts: Sequence[Draft], prior: Mapping[str, float]) -> tuple[Hypothesis, ...]:
+    shares = _shares(library, drafts, prior)
+    return _ordered([_hypothesis(draft, share) for draft, share in zip(drafts, shares, strict=True)])
+
+
+def _ordered(found: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    return tuple(sorted(found, key=lambda h: -h.probability))
+
+
+def _shares(library: Library, drafts: Sequence[Draft | Hypothesis],
+            prior: Mapping[str, float]) -> list[float]:
+    """Probability of each of `drafts`, which are all that there is."""
     odds = {d.id: float(np.prod([library.prior_odds.get(i, 1.0) for i in d.ids])) for d in drafts}
     families = {d.id: d.id if not d.ids else "single" if len(d.ids) == 1 else "pair" for d in drafts}
     members = list(families.values())
     shares = [prior[families[d.id]] * odds[d.id] / members.count(families[d.id]) for d in drafts]
     logs = np.array([d.log_evidence for d in drafts]) + np.log(shares)
-    shares = np.exp(logs - log_sum(logs))
-    found = [_hypothesis(draft, float(share)) for draft, share in zip(drafts, shares, strict=True)]
-    return tuple(sorted(found, key=lambda h: -h.probability))
+    return [float(share) for share in np.exp(logs - log_sum(logs))]
 
 
 def _hypothesis(draft: Draft, probability: float) -> Hypothesis:

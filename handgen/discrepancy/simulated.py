@@ -17,7 +17,7 @@ from handgen.bending.model import BendModel
 from handgen.bending.model import Effect as Switch
 from handgen.bending.request import Request
 from handgen.discrepancy import design, nuisance, tolerance
-from handgen.discrepancy.library import Library, Response, Series
+from handgen.discrepancy.library import Library, Response, Series, same_state
 from handgen.discrepancy.worker import Bends
 from handgen.effects import catalogue
 from handgen.errors import EngineError, InputError
@@ -217,15 +217,9 @@ def structural(simulation: Simulation, baseline: np.ndarray, members: int) -> np
 
 
 def mesh(tests: Sequence[Test], baseline: np.ndarray) -> np.ndarray:
-    """Covariance of a coarse mesh: smooth over the load of each test."""
-    found = np.zeros((len(baseline), len(baseline)))
-    start = 0
-    for test in tests:
-        count = len(test.load.values)
-        mine = slice(start, start + count)
-        size = np.nanmax(np.abs(baseline[mine])) if np.isfinite(baseline[mine]).any() else 0.0
-        loads = np.asarray(test.load.values) / (max(test.load.values) or 1.0)
-        apart = (loads[:, None] - loads[None, :]) / SMOOTH
-        found[mine, mine] = (MESH * size)**2 * (0.95 * np.exp(-apart**2 / 2) + 0.05 * np.eye(count))
-        start += count
-    return found
+    """Covariance of a coarse mesh: smooth over the load, and the same on the way back."""
+    same, loads = same_state([series(test) for test in tests])
+    there = np.where(np.isfinite(baseline), np.abs(baseline), 0.0)
+    size = MESH * (same * there).max(axis=1)
+    apart = (loads[:, None] - loads[None, :]) / SMOOTH
+    return np.outer(size, size) * (0.95 * same * np.exp(-apart**2 / 2) + 0.05 * np.eye(len(baseline)))

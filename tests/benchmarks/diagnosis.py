@@ -86,11 +86,10 @@ def judge(draw: Draw, library) -> dict:
            "sigmas": sigmas(moved, draw), "beyond": beyond(moved, problem), **said(scores)}
     row["flagged"] = sum(len(test.summary.outlying) for test in observed.tests)
     if draw.kind == "single":
-        without = score_problem(Problem.of(judged.without(*draw.hidden), observed))
-        row["without"] = said(without)
+        row["without"] = said(scores.without(*draw.hidden))
     if draw.kind in ("single", "pair", "none"):
         row["gap"] = gaps(found, judged, draw, scores)
-        row["asked"] = {how: ask(draw, judged, how) for how in ("best", "random")}
+        row["asked"] = {how: ask(draw, judged, how, scores) for how in ("best", "random")}
     return row
 
 
@@ -111,12 +110,14 @@ def beyond(moved: dict[str, np.ndarray], problem) -> float:
 
 def said(scores) -> dict:
     """Verdict and probabilities."""
+    from handgen.discrepancy.classes import classes
     from handgen.discrepancy.verdict import verdict
 
     found = verdict(scores)
     shares = {h.id: round(h.probability, 6) for h in scores.hypotheses[:25]}
     return {"word": found.word, "effects": found.effects, "probability": found.probability,
             "best": found.best.id, "alike": found.alike, "candidates": found.candidates,
+            "classes": len(classes(scores, found.candidates)),
             "vetoed": bool(found.vetoed),
             "p": found.best.p_value, "shares": shares,
             "present": {name: round(scores.present(name), 5) for name in scores.problem.library.responses}}
@@ -143,7 +144,7 @@ def gaps(found, library, draw: Draw, scores) -> dict:
     for i, point in enumerate(problem.points):
         if point not in tells:
             continue
-        part = score_problem(few.leaving(np.array([point])), pairs=len(chosen.ids) > 1)
+        part = score_problem(few.leaving(np.array([point])), pairs=len(chosen.ids) > 1, process=False)
         for state, predicted in (("before", library.baseline), ("retuned", part[NONE].predicted),
                                  ("patched", part[chosen.id].predicted)):
             left[state].append(predicted[point] - problem.means[i])
@@ -165,8 +166,11 @@ def _rms(values) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
 
 
-def ask(draw: Draw, library, how: str) -> dict:
-    """Up to MOST_ASKED more tests, chosen by the diagnosis or at random, while the verdict is ambiguous."""
+def ask(draw: Draw, library, how: str, scores) -> dict:
+    """What is said in the end, and after which tests; `scores`: of the tests that were given.
+
+    Up to MOST_ASKED more tests, chosen by the diagnosis or at random, while the verdict is ambiguous.
+    """
     from handgen.discrepancy.ask import next_test
     from handgen.discrepancy.candidates import SIGMAS
     from handgen.discrepancy.problem import Problem
@@ -177,7 +181,6 @@ def ask(draw: Draw, library, how: str) -> dict:
     rng = draw.rng("asks at random")
     done: list[str] = []
     while True:
-        scores = score_problem(Problem.of(library, found.observed()))
         open_ = [test.id for test in library.tests
                  if test.id.startswith("ask-") and test.id not in (*done, *NOT_ASKED)]
         if verdict(scores).word != "ambiguous" or len(done) == MOST_ASKED or not open_:
@@ -191,6 +194,7 @@ def ask(draw: Draw, library, how: str) -> dict:
             chosen = open_[rng.integers(len(open_))]
         done.append(chosen)
         found.measure([test for test in library.tests if test.id == chosen])
+        scores = score_problem(Problem.of(library, found.observed()))
     return {"tests": done, **said(scores)}
 
 
@@ -215,6 +219,8 @@ def study(draws: list[Draw], library: Path, rows: Path, workers: int) -> None:
     """Judge what has no row yet; each row is written as it is found."""
     done = {json.loads(line)["key"] for line in rows.read_text().splitlines()} if rows.exists() else set()
     waiting = [draw for draw in draws if draw.key not in done]
+    # Shuffled: figures of a study that is under way are figures of all kinds
+    waiting = [waiting[i] for i in np.random.default_rng(0).permutation(len(waiting))]
     with open(rows, "a", encoding="utf-8") as file:
         for n, row in enumerate(_rows(waiting, library, workers), start=1):
             file.write(json.dumps(row) + "\n")

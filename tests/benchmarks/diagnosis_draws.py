@@ -56,6 +56,7 @@ class Hidden:
     world: World
     sizes: list[float]
     records: dict[str, Record] = field(default_factory=dict)
+    written: dict[str, Readings] = field(default_factory=dict)
 
     def measure(self, tests: Sequence[Series]) -> None:
         """Do these tests, after those that were done."""
@@ -69,10 +70,13 @@ class Hidden:
     def observed(self) -> Observed:
         """What the lab has written down."""
         found = {name: record.repeats.copy() for name, record in self.records.items()}
-        trouble(self.draw, found, self.records)
-        return Observed(tuple(
-            Readings(name, repeats, RESOLUTION[self.records[name].test.quantity])
-            for name, repeats in found.items()))
+        if self.draw.trouble:
+            trouble(self.draw, found, self.records)
+            self.written.clear()
+        for name, repeats in found.items():
+            if name not in self.written:
+                self.written[name] = Readings(name, repeats, RESOLUTION[self.records[name].test.quantity])
+        return Observed(tuple(self.written.values()))
 
     def shift(self, test: Series) -> np.ndarray:
         """How far the hidden moves every mean reading, in the test's unit."""

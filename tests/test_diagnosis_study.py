@@ -1,0 +1,85 @@
+"""The diagnosis on a few worlds of another structure, by seed: the small part of the study
+`tests.benchmarks.diagnosis`."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from handgen.discrepancy.library import Library
+from handgen.discrepancy.problem import Problem
+from handgen.discrepancy.score import score_problem
+from handgen.discrepancy.verdict import verdict
+from tests.benchmarks import diagnosis, diagnosis_library, diagnosis_table
+from tests.benchmarks.diagnosis_draws import Draw, hidden
+from tests.worlds.effects import EFFECTS
+from tests.worlds.outside import OUTSIDE
+
+SEEDS = range(500, 504)
+"""Neither those of the figures nor those that were looked at."""
+
+
+@pytest.fixture(scope="module")
+def library() -> Library:
+    return Library.load(diagnosis_library.SHIPPED)
+
+
+def said(draw: Draw, library: Library):
+    found = hidden(draw, library, draw.ids)
+    return verdict(score_problem(Problem.of(library, found.observed())))
+
+
+def test_the_library_answers_the_study_s_tests_for_all_effects(library):
+    asked = diagnosis_library.simulation(1, lambda line: None).tests
+    assert {test.id for test in library.tests} == {test.id for test in asked}
+    assert set(library.responses) == set(EFFECTS)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_nothing_hidden_is_never_named(library, seed):
+    assert said(Draw("none", (), seed, ids=diagnosis.GIVEN), library).word not in diagnosis_table.NAMING
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_what_no_effect_explains_is_never_named(library, name):
+    found = said(Draw("outside", (name,), SEEDS[0], ids=diagnosis.GIVEN), library)
+    assert found.word not in diagnosis_table.NAMING
+
+
+@pytest.mark.parametrize("name", ["own_weight", "rest_curl", "asymmetric_winding"])
+def test_what_moves_the_finger_far_is_mostly_named_and_never_something_else(library, name):
+    """Effects that the source's three tests can tell from the others."""
+    found = [said(Draw("single", (name,), seed, ids=diagnosis.GIVEN), library) for seed in SEEDS]
+    named = [one for one in found if one.word == "named"]
+    assert named and all(one.effects == (name,) for one in named)
+    assert all(name in one.effects for one in found if one.word == "pair")
+
+
+def test_a_stopped_study_goes_on_where_it_was(tmp_path, library):
+    draws = [draw for draw in diagnosis.plan(500, 0.005) if draw.kind in ("none", "outside")]
+    rows = tmp_path / "rows.jsonl"
+    diagnosis.study(draws[:2], diagnosis_library.SHIPPED, rows, 1)
+    before = rows.read_text()
+    diagnosis.study(draws[:3], diagnosis_library.SHIPPED, rows, 1)
+    assert rows.read_text().startswith(before)
+    found = [json.loads(line) for line in rows.read_text().splitlines()]
+    assert {row["key"] for row in found} == {draw.key for draw in draws[:3]} and len(found) == 3
+
+
+def test_the_plan_is_as_large_as_promised():
+    draws = list(diagnosis.plan(diagnosis.FRESH))
+    count = {kind: sum(draw.kind == kind for draw in draws) for kind in diagnosis.COUNT}
+    assert count["none"] >= 200 and count["pair"] >= 100
+    assert count["single"] >= 40 * len(EFFECTS) and count["outside"] >= 40 * 5
+    assert len({draw.key for draw in draws}) == len(draws)
+
+
+def test_intervals_are_wilson_s():
+    """Brown, Cai and DasGupta, Statistical Science 16 (2001) 101-133: n = 10, none and half of them."""
+    assert diagnosis_table.wilson(0, 10) == pytest.approx((0.0, 0.2775), abs=2e-4)
+    assert diagnosis_table.wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=2e-4)
+    inside = [low <= 0.9 <= high for low, high in
+              (diagnosis_table.wilson(k, 50) for k in np.random.default_rng(0).binomial(50, 0.9, 4000))]
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.025)
