@@ -86,6 +86,16 @@ def test_axes_reach_hand_model_print_process_and_bend(tmp_path):
     assert prepared.base["fingers"]["index"]["base_outer_diameter"] == 20
 
 
+def test_axes_that_add_to_one_number_add_up(tmp_path):
+    wider, end = "fingers.index.base_bore_diameter", "fingers.index.base_outer_diameter"
+    prepared = prepare(sweep_file(tmp_path, solver="solid", vary={
+        "wall": {"choices": [0.5], "adds": {end: 2}}, "wide": {"choices": [2], "adds": {wider: 1, end: 1}}}))
+    index = task(prepared, next(draw.points(prepared.sweep))).hand["fingers"]["index"]
+    assert (index["base_outer_diameter"], index["base_bore_diameter"]) == (23.0, 18.0)
+    assert refused(tmp_path, vary={
+        "wall": {"choices": [0.5], "adds": {end: 2}}, "wide": {"choices": [2], "scales": [end]}})
+
+
 def test_a_hash_knows_what_matters(tmp_path):
     def keys(**values):
         prepared = prepare(sweep_file(tmp_path, solver="solid", **values))

@@ -32,7 +32,7 @@ PREFIXES = {"model.": MODEL, "bend.": BEND, "force.": FORCE}
 
 @dataclass(frozen=True)
 class Target:
-    """One place that an axis sets: `base` + `adds` * value, `scales` by the value, or the value itself."""
+    """One place that an axis sets: `adds` * value more than there is, `scales` by it, or the value itself."""
 
     scope: str
     path: Path
@@ -40,10 +40,11 @@ class Target:
     scales: bool = False
     base: float = 0.0
 
-    def value(self, given: Any) -> Any:
+    def value(self, given: Any, there: float) -> Any:
+        """What `given` makes of `there`: the base's number, or what another axis made of it."""
         if self.adds is not None:
-            return round(self.base + self.adds * given, 9)
-        return round(self.base * given, 9) if self.scales else given
+            return round(there + self.adds * given, 9)
+        return round(there * given, 9) if self.scales else given
 
 
 @dataclass(frozen=True)
@@ -302,7 +303,8 @@ def _set_by_axes(sweep: Sweep, places: dict[str, Any], targets: dict) -> Iterato
                             "one of " + ", ".join(valid) if valid else "a key path",
                             given.replace(lost, near, 1) if near else None)
             for path in paths:
-                if (scope, path) in taken:
+                other = sweep.vary.get(taken.get((scope, path), ""))
+                if other is not None and not (adds is not None and other.adds):
                     yield Fault(at, f"{text(path)} is set by {taken[scope, path]!r} too", given)
                 taken[scope, path] = name
                 base = keypath.get(places[scope], path)

@@ -31,8 +31,8 @@ class Axis(Model):
     sigma: float | None = item("its standard deviation", default=None, gt=0)
     mode: float | None = item("likeliest value of a triangular distribution", default=None)
     adds: dict[str, float] | None = item(
-        "key path -> factor: each is the base's value plus factor times this; the axis then has any name",
-        default=None, min_length=1)
+        "key path -> factor: each is the base's value plus factor times this, several axes added up; the "
+        "axis then has any name", default=None, min_length=1)
     scales: list[str] | None = item(
         "key paths: each is the base's value times this; the axis then has any name", default=None,
         min_length=1)

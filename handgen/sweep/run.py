@@ -54,7 +54,9 @@ def run(file: str | os.PathLike, *, out: str | os.PathLike | None = None, worker
         table.write(folder / RESULTS, prepared, rows.kinds, rows)
         best = ranked(prepared.sweep, rows)
         confirmed = _confirm(prepared, runner, best, folder) if prepared.sweep.confirm else []
-        kept = save_kept(prepared, best[:prepared.kept], folder, say)
+        # What was screened and not confirmed is not kept.
+        chosen = ranked(prepared.sweep, confirmed) if prepared.sweep.confirm else best
+        kept = save_kept(prepared, chosen[:prepared.kept], folder, say)
     counts = Counter(row["status"] for row in rows)
     return {
         "schema": "handgen.sweep-run/1", "name": prepared.sweep.name, "out": str(folder),
@@ -103,13 +105,13 @@ class Runner:
         row = self.store.read(key)
         return None if row is None or retried(row, self.limit) else row
 
-    def compute(self, tasks: Iterator[Task]) -> None:
-        """See that the store has the row of every task."""
-        missing = Missing(self, tasks)
+    def compute(self, tasks: Iterator[Task], said: str = "", total: int | None = None) -> None:
+        """See that the store has the row of every task, `total` at most (all of the sweep's)."""
+        missing = Missing(self, tasks, draw.count(self.prepared.sweep) if total is None else total)
         first = next(missing, None)
         if first is None:
             return
-        clock = _Clock(self.say, lambda: self.cluster.threads)
+        clock = _Clock(lambda line: self.say(said + line), lambda: self.cluster.threads)
         for key, row in self.rows(_after(first, missing)):
             self.keep(key, row)
             clock.tick(missing.total)
@@ -129,10 +131,8 @@ class Runner:
 class Missing:
     """Jobs that the store has no row for, each once; counts as it goes."""
 
-    def __init__(self, runner: Runner, tasks: Iterator[Task]):
-        self.runner, self.tasks, self.seen = runner, tasks, set()
-        self.read = 0
-        self.total = draw.count(runner.prepared.sweep)
+    def __init__(self, runner: Runner, tasks: Iterator[Task], total: int):
+        self.runner, self.tasks, self.seen, self.total = runner, tasks, set(), total
 
     def __iter__(self) -> Missing:
         return self
@@ -205,7 +205,7 @@ def _confirm(prepared: Prepared, runner: Runner, best: list[dict], folder: Path)
         return []
     runner.say(f"confirming {len(wanted)} by {by.solver}")
     screening = runner.computed_screening
-    runner.compute(iter([confirming(task(prepared, values), by) for values in wanted]))
+    runner.compute(iter([confirming(task(prepared, values), by) for values in wanted]), total=len(wanted))
     runner.computed_screening = screening
     rows = Rows(prepared, runner.store, wanted, lambda one: confirming(one, by))
     table.write(folder / CONFIRMED, prepared, rows.kinds, rows)

@@ -54,9 +54,12 @@ def task(prepared: Prepared, values: Mapping[str, Any]) -> Task:
     sweep = prepared.sweep
     data = {HAND: prepared.base, MODEL: prepared.model, BEND: sweep.bend.model_dump(),
             FORCE: sweep.force.model_dump() if sweep.force else None}
+    made: dict[tuple, Any] = {}
     for axis, value in values.items():
         for target in prepared.targets[axis]:
-            data[target.scope] = keypath.put(data[target.scope], target.path, target.value(value))
+            place = target.scope, target.path
+            made[place] = target.value(value, made.get(place, target.base))
+            data[target.scope] = keypath.put(data[target.scope], target.path, made[place])
     return Task(data[HAND], str(prepared.base_file), data[MODEL], prepared.model_file, data[BEND],
                 data[FORCE], sweep.solver, sweep.rules)
 
