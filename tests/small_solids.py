@@ -83,7 +83,8 @@ class Body:
         self.pattern = Pattern(self.dofs, self.nodes.size)
         m, n, g = len(self.cells), len(self.nodes), self.weight.shape[1]
         self.stress, self.pressure = np.zeros((m, g, 3, 3)), np.zeros((m, g))
-        self.first, self.moduli = np.zeros((m, g, 3, 3)), np.zeros((m, g, 9, 9))
+        self.kept = np.zeros((m, g, *element.KEPT))
+        self.swell = np.zeros((m, 3 * self.cells.shape[1] + 1))
         self.free_of_bodies = np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(m, bool)
 
     def assemble(self, x: np.ndarray, air: float = 0.0, exact: bool = True):
@@ -94,7 +95,7 @@ class Body:
         frames, curves, framed = self.free_of_bodies
         energy, least = element.assemble(
             x, self.cells, self.dn, self.weight, self.form, self.constants, self.bulk, self.mean, self.stress,
-            self.pressure, exact, self.first, self.moduli, self.dofs[0], self.pattern.places[0],
+            self.pressure, exact, self.kept, self.swell, self.dofs[0], self.pattern.places[0],
             frames, curves, framed, force, values)
         assert least > 0, "an element is turned inside out"
         if air:
@@ -106,8 +107,8 @@ class Body:
 
     def extrapolate(self, x: np.ndarray, step: np.ndarray) -> None:
         self.assemble(x)
-        element.extrapolate(x, step, self.cells, self.dn, self.weight, self.bulk, self.mean, self.first,
-                            self.moduli, self.stress, self.pressure)
+        element.extrapolate(step, self.cells, self.dn, self.weight, self.bulk, self.mean, self.kept,
+                            self.swell, self.stress, self.pressure)
 
     def solve(self, fixed: np.ndarray, place: Callable[[float], np.ndarray] | None = None, air: float = 0.0,
               steps: int = 4) -> tuple[np.ndarray, np.ndarray]:

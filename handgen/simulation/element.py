@@ -8,8 +8,14 @@ nodes with 2 x 2 x 2 points (O. C. Zienkiewicz, R. L. Taylor, J. M. Too, Int. J.
     energy = sum of points w W(F) + volumetric part,  W isochoric: W(J^-2/3 C)
     Q1P0:  V0 K/2 (V/V0 - 1)^2 of each element;  else  w K/2 (J - 1)^2 of each point
 
-Everything is written in the deformation gradient F: first Piola stress P = dW/dF, moduli A = d2W/dFdF
-(9 x 9); K_ab = sum w grad N_a . A . grad N_b. Voigt never appears.
+Every point is worked out in its own principal axes N_a (`principal.respond`): with m_a = F N_a and gradients
+G_a = N_a . grad, force and tangent are
+
+    f_i = sum w m_ia S_a G_a,  K_ik = sum w G_a A_iakb G_b
+    A_iakb = delta_ik T_ab + D_ab m_ia m_kb + Q_ab m_ib m_ka (a != b), and for a = b + sum Q_ac m_ic m_kc
+
+where T is the stress of the geometric part. A pressure p = K (J - 1) adds p J / x_a to S_a and T_aa,
+p J / (x_a x_b) (1 - 2 delta_ab) to D_ab and -p J / (x_a x_b) to Q_ab.
 
 Mixed integration points (D. Magisano, L. Leonetti, G. Garcea, Int. J. Numer. Methods Eng. 109 (2017)
 1237-1262; 111 (2017) 1003-1030): Newton treats the second Piola stress S of every point, and the pressure of
@@ -24,381 +30,240 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-CONTRACTED = {"contract"}
-"""Products and sums in one instruction; nothing else may be taken for granted."""
-SWEEPS = 12
-"""Of Jacobi's rotations at most; four do for what is nearly diagonal."""
-POLYNOMIAL, OGDEN = 0, 1
-"""Forms of laws: c10 (I1 - 3) + c20 (I1 - 3)^2 + c30 (I1 - 3)^3 + c01 (I2 - 3); powers of stretches."""
+from handgen.simulation.principal import KERNEL, principal, respond
+
+KEPT = (12, 3)
+"""What is kept of a point: N (rows 0 to 2) and F N (3 to 5) in columns; S (6), x (7), Q of the pairs 01, 12
+and 20 (8), D (9 to 11)."""
 
 
-@njit(cache=True)
-def inverse_transposed(f, h):
-    """Write F^-T into `h`; returns J."""
-    for i in range(3):
-        for j in range(3):
-            a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-            h[i, j] = f[a, c] * f[b, d] - f[a, d] * f[b, c]
-    det = f[0, 0] * h[0, 0] + f[0, 1] * h[0, 1] + f[0, 2] * h[0, 2]
-    for i in range(3):
-        for j in range(3):
-            h[i, j] /= det
-    return det
-
-
-@njit(cache=True, fastmath=CONTRACTED)
-def polynomial(f, h, det, c, p, a):
-    """W, P and A of the polynomial law with constants `c`; writes `p` (3, 3) and `a` (9, 9).
-
-    With s = J^-2/3 and G = d(s I1)/dF = s (2 F - 2/3 I1 H), H = F^-T:
-    P = W1 G, A = W1 dG/dF + W11 G x G; dG/dF has only dyads of F and H, and the transposed one of H.
-    """
-    c10, c20, c30, c01 = c[0], c[1], c[2], c[3]
-    scale = det ** (-2.0 / 3.0)
-    i1 = 0.0
-    for i in range(3):
-        for j in range(3):
-            i1 += f[i, j] * f[i, j]
-    k = scale * i1 - 3.0
-    w1 = c10 + k * (2 * c20 + 3 * c30 * k)
-    w11 = 2 * c20 + 6 * c30 * k
-    g = np.empty((3, 3))
-    for i in range(3):
-        for j in range(3):
-            g[i, j] = scale * (2 * f[i, j] - 2.0 / 3.0 * i1 * h[i, j])
-            p[i, j] = w1 * g[i, j]
-    t = w1 * scale
-    for i in range(3):
-        for j in range(3):
-            row, ff, hh, gg = 3 * i + j, f[i, j], h[i, j], w11 * g[i, j]
-            for m in range(3):
-                across = 2.0 / 3.0 * i1 * t * h[m, j]
-                for n in range(3):
-                    a[row, 3 * m + n] = (-4.0 / 3.0 * t * ff * h[m, n] + across * h[i, n] + gg * g[m, n]
-                                         + t * hh * (4.0 / 9.0 * i1 * h[m, n] - 4.0 / 3.0 * f[m, n]))
-            a[row, row] += 2.0 * t
-    energy = k * (c10 + k * (c20 + k * c30))
-    if c01 != 0.0:
-        energy += _second_invariant(f, h, i1, scale, c01, p, a)
-    return energy
-
-
-@njit(cache=True, fastmath=CONTRACTED)
-def _second_invariant(f, h, i1, scale, c01, p, a):
-    """Add c01 (I2 - 3): its energy is returned, its stress and moduli added to `p` and `a`."""
-    b, c, g = np.zeros((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):
-                b[i, j] += f[i, k] * f[j, k]
-                c[i, j] += f[k, i] * f[k, j]
-    i2 = 0.5 * i1 * i1
-    for i in range(3):
-        for j in range(3):
-            i2 -= 0.5 * c[i, j] * c[i, j]
-            g[i, j] = 2 * (i1 * f[i, j] - f[i, 0] * c[0, j] - f[i, 1] * c[1, j] - f[i, 2] * c[2, j])
-    s = c01 * scale * scale
-    for i in range(3):
-        for j in range(3):
-            row = 3 * i + j
-            p[i, j] += s * (g[i, j] - 4.0 / 3.0 * i2 * h[i, j])
-            for m in range(3):
-                for n in range(3):
-                    a[row, 3 * m + n] += s * (
-                        4 * f[i, j] * f[m, n] - 2 * f[i, n] * f[m, j] + 4.0 / 3.0 * i2 * h[i, n] * h[m, j]
-                        - 4.0 / 3.0 * g[i, j] * h[m, n]
-                        + h[i, j] * (16.0 / 9.0 * i2 * h[m, n] - 4.0 / 3.0 * g[m, n]))
-            for n in range(3):
-                a[row, 3 * i + n] -= 2 * s * c[n, j]
-                a[row, 3 * n + j] -= 2 * s * b[i, n]
-            a[row, row] += 2 * s * i1
-    return s * i2 - 3.0 * c01
-
-
-@njit(cache=True, fastmath=CONTRACTED)
-def principal(c, x, axes):
-    """Eigenvalues `x` (3,) and eigenvectors (columns of `axes`) of the symmetric `c` (3, 3), which is lost.
-
-    Jacobi's rotations: as exact where eigenvalues meet as elsewhere, which closed forms are not, and for so
-    small a matrix several times faster than LAPACK's call.
-    """
-    axes[:] = 0.0
-    for i in range(3):
-        axes[i, i] = 1.0
-    for _ in range(SWEEPS):
-        off = c[0, 1] ** 2 + c[0, 2] ** 2 + c[1, 2] ** 2
-        if off <= 1e-32 * (c[0, 0] ** 2 + c[1, 1] ** 2 + c[2, 2] ** 2):
-            break
-        for i in range(2):
-            for j in range(i + 1, 3):
-                if c[i, j] == 0.0:
-                    continue
-                t = (c[j, j] - c[i, i]) / (2.0 * c[i, j])
-                t = (1.0 if t >= 0.0 else -1.0) / (abs(t) + np.sqrt(t * t + 1.0))
-                cos = 1.0 / np.sqrt(t * t + 1.0)
-                sin, k = t * cos, 3 - i - j
-                c[i, i], c[j, j] = c[i, i] - t * c[i, j], c[j, j] + t * c[i, j]
-                c[i, j] = c[j, i] = 0.0
-                u, v = c[i, k], c[j, k]
-                c[i, k] = c[k, i] = cos * u - sin * v
-                c[j, k] = c[k, j] = sin * u + cos * v
-                for m in range(3):
-                    u, v = axes[m, i], axes[m, j]
-                    axes[m, i], axes[m, j] = cos * u - sin * v, sin * u + cos * v
-    for i in range(3):
-        x[i] = c[i, i]
-
-
-@njit(cache=True, fastmath=CONTRACTED)
-def ogden(f, h, det, c, p, a):
-    """The same for sum of mu_k / alpha_k (l1^alpha_k + ...), c = mu_1, alpha_1, mu_2, alpha_2, ...
-
-    In principal axes of C, with x_a the squared stretches and y_a = J^-2/3 x_a:
-    S = sum 2 dW/dx_a N_a N_a and dS/dC from its derivatives and difference quotients. With L_a = F N_a N_a
-    and M_ab = F N_a N_b + F N_b N_a: A = 1 x S + sum 2 dS_a/dx_b L_a x L_b
-    + sum (a < b) (S_a - S_b) / (x_a - x_b) M_ab x M_ab.
-    """
-    room = np.zeros((13, 9))  # one allocation: they cost as much as the arithmetic
-    metric, axes, moved, rate = (room[0].reshape(3, 3), room[1].reshape(3, 3), room[2].reshape(3, 3),
-                                 room[3].reshape(3, 3))  # moved: columns F N_a; rate: d stress_a / d x_b
-    own, with_rate, shear = room[4:7], room[7:10], room[10]
-    x, first, second, stress = room[11, :3], room[12, :3], room[12, 3:6], room[12, 6:]
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):
-                metric[i, j] += f[k, i] * f[k, j]
-    principal(metric, x, axes)
-    scale = det ** (-2.0 / 3.0)
-    energy = 0.0
-    for q in range(len(c) // 2):
-        mu, alpha = c[2 * q], c[2 * q + 1]
-        for k in range(3):
-            power = (scale * x[k]) ** (alpha / 2)
-            energy += mu / alpha * (power - 1.0)
-            first[k] += mu / 2 * power  # y dw/dy
-            second[k] += mu * alpha / 4 * power  # y d(y dw/dy)/dy
-    mean, mean2 = (first[0] + first[1] + first[2]) / 3, (second[0] + second[1] + second[2]) / 9
-    for k in range(3):
-        stress[k] = 2 * (first[k] - mean) / x[k]
-        for m in range(3):
-            rate[k, m] = 2 * (mean2 - (second[k] + second[m]) / 3) / (x[k] * x[m])
-        rate[k, k] += 2 * second[k] / x[k] ** 2 - stress[k] / x[k]
-    for i in range(3):
-        for k in range(3):
-            for j in range(3):
-                moved[i, k] += f[i, j] * axes[j, k]
-    for k in range(3):
-        for i in range(3):
-            for j in range(3):
-                own[k, 3 * i + j] = moved[i, k] * axes[j, k]
-    p[:] = 0.0
-    a[:] = 0.0
-    for k in range(3):
-        for n in range(9):
-            p[n // 3, n % 3] += stress[k] * own[k, n]
-            for m in range(3):
-                with_rate[k, n] += 2 * rate[k, m] * own[m, n]
-        for i in range(3):
-            for j in range(3):
-                for n in range(3):
-                    a[3 * i + j, 3 * i + n] += stress[k] * axes[j, k] * axes[n, k]
-        for row in range(9):
-            for column in range(9):
-                a[row, column] += own[k, row] * with_rate[k, column]
-        m = (k + 1) % 3
-        apart = x[k] - x[m]
-        if abs(apart) > 1e-6 * (x[k] + x[m]):
-            quotient = (stress[k] - stress[m]) / apart
-        else:
-            quotient = (rate[k, k] + rate[m, m]) / 2 - rate[k, m]
-        for i in range(3):
-            for j in range(3):
-                shear[3 * i + j] = moved[i, k] * axes[j, m] + moved[i, m] * axes[j, k]
-        for row in range(9):
-            for column in range(9):
-                a[row, column] += quotient * shear[row] * shear[column]
-    return energy
-
-
-@njit(cache=True)
-def law_at(form, f, h, det, c, p, a):
-    if form == POLYNOMIAL:
-        return polynomial(f, h, det, c, p, a)
-    return ogden(f, h, det, c, p, a)
-
-
-@njit(cache=True)
+@njit(**KERNEL)
 def gradient_at(x, cell, dn, f):
-    """F = sum of x_a grad N_a."""
+    """Write F = sum of x_a grad N_a; returns J."""
     f[:] = 0.0
     for n in range(len(cell)):
         for i in range(3):
             for j in range(3):
-                f[i, j] += x[cell[n], i] * dn[n, j]
+                f[i, j] += x[cell[n], i] * dn[j, n]
+    return (f[0, 0] * (f[1, 1] * f[2, 2] - f[1, 2] * f[2, 1])
+            + f[0, 1] * (f[1, 2] * f[2, 0] - f[1, 0] * f[2, 2])
+            + f[0, 2] * (f[1, 0] * f[2, 1] - f[1, 1] * f[2, 0]))
 
 
-@njit(cache=True)
-def _volume(x, cell, dn, weight, f, h, slopes):
-    """Volume of an element and its derivative (n, 3) with respect to its nodes; least J."""
-    volume, least = 0.0, np.inf
-    slopes[:] = 0.0
-    for g in range(len(weight)):
-        gradient_at(x, cell, dn[g], f)
-        det = inverse_transposed(f, h)
-        least = min(least, det)
-        volume += weight[g] * det
-        for n in range(len(cell)):
-            for i in range(3):
-                slopes[n, i] += weight[g] * det * (
-                    h[i, 0] * dn[g, n, 0] + h[i, 1] * dn[g, n, 1] + h[i, 2] * dn[g, n, 2])
-    return volume, least
-
-
-@njit(cache=True)
-def _second_piola(f, h, p, s):
-    """S = F^-1 P."""
+@njit(**KERNEL)
+def _to_axes(f, dn, metric, axes, moved, squared, turned):
+    """Principal axes of F, F N, squared stretches and `turned` (3, n): the gradients `dn` along the axes."""
     for i in range(3):
         for j in range(3):
-            s[i, j] = h[0, i] * p[0, j] + h[1, i] * p[1, j] + h[2, i] * p[2, j]
-
-
-@njit(cache=True, fastmath=CONTRACTED)
-def _add_pressure(h, det, pressure, a):
-    """A += pressure d2J/dFdF."""
-    factor = pressure * det
+            metric[i, j] = f[0, i] * f[0, j] + f[1, i] * f[1, j] + f[2, i] * f[2, j]
+    principal(metric, squared, axes)
     for i in range(3):
-        for j in range(3):
-            own = factor * h[i, j]
-            for m in range(3):
-                across = factor * h[m, j]
-                for n in range(3):
-                    a[3 * i + j, 3 * m + n] += own * h[m, n] - across * h[i, n]
+        for a in range(3):
+            moved[i, a] = f[i, 0] * axes[0, a] + f[i, 1] * axes[1, a] + f[i, 2] * axes[2, a]
+    for a in range(3):
+        n0, n1, n2 = axes[0, a], axes[1, a], axes[2, a]
+        for n in range(dn.shape[1]):
+            turned[a, n] = n0 * dn[0, n] + n1 * dn[1, n] + n2 * dn[2, n]
 
 
-@njit(cache=True, fastmath=CONTRACTED)
-def add_stiffness(a, dn, w, across, moved, kc):
-    """Add w grad N . A . grad N of one point to `kc` (3 n, 3 n), whose rows go by component, then by node.
+@njit(**KERNEL)
+def _add_force(moved, stress, turned, w, fe):
+    """Add w F N stress G to `fe` (3, n); `stress` (3,) along the axes."""
+    for i in range(3):
+        s0, s1, s2 = w * moved[i, 0] * stress[0], w * moved[i, 1] * stress[1], w * moved[i, 2] * stress[2]
+        for n in range(turned.shape[1]):
+            fe[i, n] += s0 * turned[0, n] + s1 * turned[1, n] + s2 * turned[2, n]
 
-    So ordered, every innermost loop runs over neighbouring nodes' numbers, which the compiler turns into
-    vector instructions. `across` (3, n) and `moved` (9, 3 n) are room to work in.
+
+@njit(**KERNEL)
+def _moduli(moved, x, shear, moduli, held, pressed, stiff, a):
+    """Write A (9, 9), rows 3 i + a, where i is no less than k: `held` (3, 3) is T; pressed: p J; stiff: p J +
+    K J^2 where p follows J."""
+    i0, i1, i2 = 1 / x[0], 1 / x[1], 1 / x[2]
+    q01, q12, q20 = shear[0] - pressed * i0 * i1, shear[1] - pressed * i1 * i2, shear[2] - pressed * i2 * i0
+    d01, d12 = moduli[0, 1] + stiff * i0 * i1, moduli[1, 2] + stiff * i1 * i2
+    d20, own = moduli[2, 0] + stiff * i2 * i0, stiff - 2 * pressed
+    d00, d11, d22 = moduli[0, 0] + own * i0 * i0, moduli[1, 1] + own * i1 * i1, moduli[2, 2] + own * i2 * i2
+    for i in range(3):
+        m0, m1, m2 = moved[i, 0], moved[i, 1], moved[i, 2]
+        for k in range(i + 1):
+            n0, n1, n2 = moved[k, 0], moved[k, 1], moved[k, 2]
+            r, c = 3 * i, 3 * k
+            a[r, c] = d00 * m0 * n0 + q01 * m1 * n1 + q20 * m2 * n2
+            a[r + 1, c + 1] = q01 * m0 * n0 + d11 * m1 * n1 + q12 * m2 * n2
+            a[r + 2, c + 2] = q20 * m0 * n0 + q12 * m1 * n1 + d22 * m2 * n2
+            a[r, c + 1], a[r + 1, c] = d01 * m0 * n1 + q01 * m1 * n0, d01 * m1 * n0 + q01 * m0 * n1
+            a[r + 1, c + 2], a[r + 2, c + 1] = d12 * m1 * n2 + q12 * m2 * n1, d12 * m2 * n1 + q12 * m1 * n2
+            a[r + 2, c], a[r, c + 2] = d20 * m2 * n0 + q20 * m0 * n2, d20 * m0 * n2 + q20 * m2 * n0
+        for n in range(3):
+            for o in range(3):
+                a[3 * i + n, 3 * i + o] += held[n, o]
+
+
+@njit(**KERNEL)
+def _hold(k, stress, pressed, exact, held):
+    """Write T along the axes: that of `stress`, or of the state itself if `exact`, and `pressed`, p J."""
+    if exact:
+        held[:] = 0.0
+        for n in range(3):
+            held[n, n] = k[6, n]
+    else:
+        for a in range(3):
+            t0 = k[0, a] * stress[0, 0] + k[1, a] * stress[1, 0] + k[2, a] * stress[2, 0]
+            t1 = k[0, a] * stress[0, 1] + k[1, a] * stress[1, 1] + k[2, a] * stress[2, 1]
+            t2 = k[0, a] * stress[0, 2] + k[1, a] * stress[1, 2] + k[2, a] * stress[2, 2]
+            for b in range(3):
+                held[a, b] = t0 * k[0, b] + t1 * k[1, b] + t2 * k[2, b]
+    for n in range(3):
+        held[n, n] += pressed / k[7, n]
+
+
+@njit(**KERNEL)
+def _add_turning(k, held, turned, w, turning):
+    """Add w F T G to `turning` (3, n)."""
+    for i in range(3):
+        for b in range(3):
+            factor = w * (k[3 + i, 0] * held[0, b] + k[3 + i, 1] * held[1, b] + k[3 + i, 2] * held[2, b])
+            for n in range(turned.shape[1]):
+                turning[i, n] += factor * turned[b, n]
+
+
+@njit(**KERNEL)
+def _add_stiffness(a, turned, weight, across, kc):
+    """Add w G . A . G of all points to `kc` (3 n, 3 n), whose rows go by component, then by node: those
+    blocks of it whose row's component is no less than the column's.
+
+    a (g, 9, 9), turned (3 g, n), weight (g,); across (3 g, 3 n): room to work in. So ordered, every innermost
+    loop runs over neighbouring nodes' numbers, which the compiler turns into vector instructions.
     """
-    nodes = len(dn)
-    for j in range(3):
-        for n in range(nodes):
-            across[j, n] = dn[n, j]
-    for row in range(9):
-        for i in range(3):
-            a0, a1, a2 = w * a[row, 3 * i], w * a[row, 3 * i + 1], w * a[row, 3 * i + 2]
-            for n in range(nodes):
-                moved[row, i * nodes + n] = a0 * across[0, n] + a1 * across[1, n] + a2 * across[2, n]
+    points, nodes = len(a), turned.shape[1]
     for i in range(3):
+        for g in range(points):
+            w, first = weight[g], 3 * g
+            for j in range(3):
+                for k in range(i + 1):
+                    row = 3 * i + j
+                    a0, a1, a2 = w * a[g, row, 3 * k], w * a[g, row, 3 * k + 1], w * a[g, row, 3 * k + 2]
+                    for n in range(nodes):
+                        across[first + j, k * nodes + n] = (
+                            a0 * turned[first, n] + a1 * turned[first + 1, n] + a2 * turned[first + 2, n])
         for n in range(nodes):
-            d0, d1, d2 = across[0, n], across[1, n], across[2, n]
-            for column in range(3 * nodes):
-                kc[i * nodes + n, column] += (d0 * moved[3 * i, column] + d1 * moved[3 * i + 1, column]
-                                              + d2 * moved[3 * i + 2, column])
+            row = kc[i * nodes + n]
+            for g in range(0, 3 * points, 6):
+                d0, d1, d2 = turned[g, n], turned[g + 1, n], turned[g + 2, n]
+                d3, d4, d5 = turned[g + 3, n], turned[g + 4, n], turned[g + 5, n]
+                for column in range((i + 1) * nodes):
+                    row[column] += (
+                        d0 * across[g, column] + d1 * across[g + 1, column] + d2 * across[g + 2, column]
+                        + d3 * across[g + 3, column] + d4 * across[g + 4, column] + d5 * across[g + 5, column])
 
 
-@njit(cache=True, nogil=True)
-def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure, exact, first, moduli,
+@njit(nogil=True, **KERNEL)
+def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure, exact, kept, swell,
              dofs, place, frames, curves, framed, force, matrix):
     """Add internal forces and tangent of all elements; returns (energy, least J).
 
-    x (N, 3) nodes, mm; dn (m, g, n, 3) gradients and weight (m, g) volumes of the points; `mean`: Q1P0;
+    x (N, 3) nodes, mm; dn (m, g, 3, n) gradients and weight (m, g) volumes of the points; `mean`: Q1P0;
     stress (m, g, 3, 3), isochoric, and pressure (m, g), of Q1P0 the first of a row: the extrapolated ones,
-    not used where `exact`. Writes `first` (m, g, 3, 3) and `moduli` (m, g, 9, 9), isochoric, from which
-    `extrapolate` goes on.
+    not used where `exact`. Writes what `extrapolate` goes on from: kept (m, g, 12, 3) of every point, and of
+    Q1P0 swell (m, 3 n + 1), the derivative of the volume with respect to the nodes, by component, and V.
     Nodes that belong to a rigid body: frames (N, 3, 3) their slopes with respect to its three unknowns,
     curves (N, 3) the second derivative with respect to its rotation; `framed` (m,): has such nodes.
     dofs (m, 3 n) unknowns, -1 for none; place (m, 3 n, 3 n) where in `matrix` an entry goes, -1 nowhere.
     A J <= 0 anywhere: nothing more is added, its value is returned.
     """
-    count, points, nodes, _ = dn.shape
-    f, h, p, a, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((9, 9)), np.empty((3, 3))
-    slopes, fe, ke = np.empty((nodes, 3)), np.empty((nodes, 3)), np.empty((3 * nodes, 3 * nodes))
-    across, moved, kc = np.empty((3, nodes)), np.empty((9, 3 * nodes)), np.empty((3 * nodes, 3 * nodes))
-    along = np.empty(3 * nodes)
-    turning, known = np.empty((nodes, 3)), np.empty((3, 3))
+    count, points, _, nodes = dn.shape
+    f, metric, room, held = np.empty((3, 3)), np.empty((3, 3)), np.empty((5, 3)), np.zeros((3, 3))
+    turned, dets, a = np.empty((points, 3, nodes)), np.empty(points), np.zeros((points, 9, 9))
+    fe, turning, along = np.empty((3, nodes)), np.empty((3, nodes)), np.empty(3)
+    across = np.empty((3 * points, 3 * nodes))
+    kc, ke = np.empty((3 * nodes, 3 * nodes)), np.empty((3 * nodes, 3 * nodes))
     energy, least = 0.0, np.inf
     for e in range(count):
-        cell = cells[e]
-        level, acting, v0 = 0.0, 0.0, 0.0
-        if mean:
-            volume, low = _volume(x, cell, dn[e], weight[e], f, h, slopes)
-            least = min(least, low)
-            if low <= 0.0:
-                return np.inf, low
-            v0 = weight[e].sum()
-            level = bulk * (volume / v0 - 1.0)
-            acting = level if exact else pressure[e, 0]
-            energy += 0.5 * v0 * bulk * (volume / v0 - 1.0) ** 2
-        fe[:] = 0.0
-        kc[:] = 0.0
-        turning[:] = 0.0
         for g in range(points):
-            gradient_at(x, cell, dn[e, g], f)
-            det = inverse_transposed(f, h)
+            k = kept[e, g]
+            dets[g] = det = gradient_at(x, cells[e], dn[e, g], f)
             if det <= 0.0:
                 return np.inf, det
             least = min(least, det)
-            w = weight[e, g]
-            energy += w * law_at(form, f, h, det, constants, p, a)
-            first[e, g] = p
-            moduli[e, g] = a
-            if not exact:
-                _second_piola(f, h, p, s)
-                for j in range(3):
-                    for n in range(3):
-                        more = stress[e, g, j, n] - s[j, n]
-                        for i in range(3):
-                            a[3 * i + j, 3 * i + n] += more
+            _to_axes(f, dn[e, g], metric, k[0:3], k[3:6], k[7], turned[g])
+            energy += weight[e, g] * respond(form, constants, k[7], det, k[6], k[8], k[9:12], room)
+        fe[:] = 0.0
+        kc[:] = 0.0
+        turning[:] = 0.0
+        level = 0.0
+        if mean:
+            more, level = _add_volume(kept[e], weight[e], dets, turned, bulk, along, swell[e], fe, kc)
+            energy += more
+        for g in range(points):
+            k, w, det = kept[e, g], weight[e, g], dets[g]
+            stiff = 0.0
+            for n in range(3):
+                along[n] = k[6, n]
             if not mean:
                 energy += w * 0.5 * bulk * (det - 1.0) ** 2
                 level = bulk * (det - 1.0)
-                acting = level if exact else pressure[e, g]
-                for i in range(3):
-                    for j in range(3):
-                        p[i, j] += level * det * h[i, j]
-                        for m in range(3):
-                            for n in range(3):
-                                a[3 * i + j, 3 * m + n] += bulk * det * det * h[i, j] * h[m, n]
-            _add_pressure(h, det, acting, a)
-            for n in range(nodes):
-                for i in range(3):
-                    fe[n, i] += w * (p[i, 0] * dn[e, g, n, 0] + p[i, 1] * dn[e, g, n, 1]
-                                     + p[i, 2] * dn[e, g, n, 2])
+                stiff = bulk * det * det
+                for n in range(3):
+                    along[n] += level * det / k[7, n]
+            _add_force(k[3:6], along, turned[g], w, fe)
+            acting = level if exact else pressure[e, 0 if mean else g]
+            _hold(k, stress[e, g], acting * det, exact, held)
             if framed[e]:
-                known = p if exact else f @ stress[e, g] + acting * det * h
-                for n in range(nodes):
-                    for i in range(3):
-                        turning[n, i] += w * (known[i, 0] * dn[e, g, n, 0] + known[i, 1] * dn[e, g, n, 1]
-                                              + known[i, 2] * dn[e, g, n, 2])
-            add_stiffness(a, dn[e, g], w, across, moved, kc)
-        if mean:
-            for n in range(nodes):
-                for i in range(3):
-                    fe[n, i] += level * slopes[n, i]
-                    along[i * nodes + n] = slopes[n, i]
-            for row in range(3 * nodes):
-                factor = bulk / v0 * along[row]
-                for column in range(3 * nodes):
-                    kc[row, column] += factor * along[column]
-        for n in range(nodes):
-            for i in range(3):
-                for m in range(nodes):
-                    for j in range(3):
-                        ke[3 * n + i, 3 * m + j] = kc[i * nodes + n, j * nodes + m]
+                _add_turning(k, held, turned[g], w, turning)
+            _moduli(k[3:6], k[7], k[8], k[9:12], held, acting * det, acting * det + stiff, a[g])
+        _add_stiffness(a, turned.reshape(3 * points, nodes), weight[e], across, kc)
+        _by_nodes(kc, ke)
         if framed[e]:
-            to_bodies(cell, frames, curves, turning, fe, ke)
-        scatter(dofs[e], place[e], fe, ke, force, matrix)
+            to_bodies(cells[e], frames, curves, turning, fe, ke)
+        scatter(dofs[e], place[e], fe.T, ke, force, matrix)
     return energy, least
 
 
-@njit(cache=True)
-def to_bodies(cell, frames, curves, turning, fe, ke):
-    """Forces and stiffness of nodes that rigid bodies carry, in those bodies' unknowns.
+@njit(**KERNEL)
+def _add_volume(kept, weight, dets, turned, bulk, along, swell, fe, kc):
+    """Add force and stiffness of Q1P0's volumetric energy but for what its pressure adds to the moduli.
 
-    `turning` (n, 3): the forces that the bones' rotation turns, of the stresses of the geometric part.
+    Writes `swell`; returns (energy, pressure).
+    """
+    points, _, nodes = turned.shape
+    flat = swell[:-1]
+    swollen = flat.reshape(3, nodes)
+    swollen[:] = 0.0
+    volume, v0 = 0.0, 0.0
+    for g in range(points):
+        v0 += weight[g]
+        volume += weight[g] * dets[g]
+        for n in range(3):
+            along[n] = dets[g] / kept[g, 7, n]
+        _add_force(kept[g, 3:6], along, turned[g], weight[g], swollen)
+    swell[-1] = volume
+    level = bulk * (volume / v0 - 1.0)
+    for i in range(3):
+        for n in range(nodes):
+            fe[i, n] += level * swollen[i, n]
+            factor = bulk / v0 * swollen[i, n]
+            for column in range((i + 1) * nodes):
+                kc[i * nodes + n, column] += factor * flat[column]
+    return 0.5 * v0 * bulk * (volume / v0 - 1.0) ** 2, level
+
+
+@njit(**KERNEL)
+def _by_nodes(kc, ke):
+    """`kc`, by components and its lower blocks only, as the whole `ke` by nodes."""
+    nodes = len(kc) // 3
+    for i in range(3):
+        for n in range(nodes):
+            for j in range(i + 1):
+                for m in range(nodes):
+                    ke[3 * n + i, 3 * m + j] = ke[3 * m + j, 3 * n + i] = kc[i * nodes + n, j * nodes + m]
+
+
+@njit(**KERNEL)
+def to_bodies(cell, frames, curves, turning, fe, ke):
+    """Forces (3, n) and stiffness of nodes that rigid bodies carry, in those bodies' unknowns.
+
+    `turning` (3, n): the forces that the bones' rotation turns, of the stresses of the geometric part.
     """
     nodes = len(cell)
     block, turned = np.empty((3, 3)), np.empty(3)
@@ -417,15 +282,15 @@ def to_bodies(cell, frames, curves, turning, fe, ke):
                     ke[3 * n + i, 3 * m + j] = block[i, j]
     for n in range(nodes):
         curve, t = curves[cell[n]], frames[cell[n]]
-        ke[3 * n + 2, 3 * n + 2] += (turning[n, 0] * curve[0] + turning[n, 1] * curve[1]
-                                     + turning[n, 2] * curve[2])
+        ke[3 * n + 2, 3 * n + 2] += (turning[0, n] * curve[0] + turning[1, n] * curve[1]
+                                     + turning[2, n] * curve[2])
         for i in range(3):
-            turned[i] = t[0, i] * fe[n, 0] + t[1, i] * fe[n, 1] + t[2, i] * fe[n, 2]
+            turned[i] = t[0, i] * fe[0, n] + t[1, i] * fe[1, n] + t[2, i] * fe[2, n]
         for i in range(3):
-            fe[n, i] = turned[i]
+            fe[i, n] = turned[i]
 
 
-@njit(cache=True)
+@njit(**KERNEL)
 def scatter(dofs, place, fe, ke, force, matrix):
     """Add an element's forces (n, 3) and stiffness (3 n, 3 n) to the system's."""
     size = len(dofs)
@@ -439,53 +304,50 @@ def scatter(dofs, place, fe, ke, force, matrix):
                 matrix[where] += ke[i, j]
 
 
-@njit(cache=True, nogil=True)
-def extrapolate(x, step, cells, dn, weight, bulk, mean, first, moduli, stress, pressure):
-    """Write stress and pressure after the nodes' `step` (N, 3) from `x`, to first order.
-
-    `first` and `moduli` are those of `x`: it is where `assemble` was last.
-    """
-    count, points, nodes, _ = dn.shape
-    f, h, s = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    df, dp, slopes = np.empty((3, 3)), np.empty((3, 3)), np.empty((nodes, 3))
+@njit(nogil=True, **KERNEL)
+def extrapolate(step, cells, dn, weight, bulk, mean, kept, swell, stress, pressure):
+    """Write stress and pressure after the nodes' `step` (N, 3), to first order, from where `assemble` was
+    last, which `kept` and `swell` hold."""
+    count, points, _, nodes = dn.shape
+    df, rate, strain, moved = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for e in range(count):
         cell = cells[e]
         if mean:
-            volume, _ = _volume(x, cell, dn[e], weight[e], f, h, slopes)
-            grown = 0.0
-            for n in range(nodes):
-                for i in range(3):
-                    grown += slopes[n, i] * step[cell[n], i]
-            pressure[e, 0] = bulk * ((volume + grown) / weight[e].sum() - 1.0)
+            volume = swell[e, -1]
+            for i in range(3):
+                for n in range(nodes):
+                    volume += swell[e, i * nodes + n] * step[cell[n], i]
+            pressure[e, 0] = bulk * (volume / weight[e].sum() - 1.0)
         for g in range(points):
-            gradient_at(x, cell, dn[e, g], f)
+            k = kept[e, g]
+            axes, s, x, q, d = k[0:3], k[6], k[7], k[8], k[9:12]
             gradient_at(step, cell, dn[e, g], df)
-            det = inverse_transposed(f, h)
-            p, a = first[e, g], moduli[e, g]
+            # E = sym(F^T dF) along the axes.
+            for i in range(3):
+                for a in range(3):
+                    moved[i, a] = df[i, 0] * axes[0, a] + df[i, 1] * axes[1, a] + df[i, 2] * axes[2, a]
+            for a in range(3):
+                for b in range(3):
+                    rate[a, b] = k[3, a] * moved[0, b] + k[4, a] * moved[1, b] + k[5, a] * moved[2, b]
+            for a in range(3):
+                b = (a + 1) % 3
+                strain[a, a] = s[a] + d[a, 0] * rate[0, 0] + d[a, 1] * rate[1, 1] + d[a, 2] * rate[2, 2]
+                strain[a, b] = strain[b, a] = q[a] * (rate[a, b] + rate[b, a])
             if not mean:
-                grown = 0.0
-                for i in range(3):
-                    for j in range(3):
-                        grown += h[i, j] * df[i, j]
+                det = np.sqrt(x[0] * x[1] * x[2])
+                grown = rate[0, 0] / x[0] + rate[1, 1] / x[1] + rate[2, 2] / x[2]
                 pressure[e, g] = bulk * (det * (1.0 + grown) - 1.0)
-            _second_piola(f, h, p, s)
             for i in range(3):
+                t0 = axes[i, 0] * strain[0, 0] + axes[i, 1] * strain[1, 0] + axes[i, 2] * strain[2, 0]
+                t1 = axes[i, 0] * strain[0, 1] + axes[i, 1] * strain[1, 1] + axes[i, 2] * strain[2, 1]
+                t2 = axes[i, 0] * strain[0, 2] + axes[i, 1] * strain[1, 2] + axes[i, 2] * strain[2, 2]
                 for j in range(3):
-                    total = 0.0
-                    for m in range(3):
-                        total -= df[i, m] * s[m, j]
-                        for n in range(3):
-                            total += a[3 * i + j, 3 * m + n] * df[m, n]
-                    dp[i, j] = total
-            for i in range(3):
-                for j in range(3):
-                    stress[e, g, i, j] = s[i, j] + (h[0, i] * dp[0, j] + h[1, i] * dp[1, j]
-                                                    + h[2, i] * dp[2, j])
+                    stress[e, g, i, j] = t0 * axes[j, 0] + t1 * axes[j, 1] + t2 * axes[j, 2]
 
 
-@njit(cache=True)
+@njit(**KERNEL)
 def largest_stretch(x, cells, dn):
-    """(m,) largest principal stretch at the elements' middles: `dn` (m, 1, n, 3) gradients there."""
+    """(m,) largest principal stretch at the elements' middles: `dn` (m, 1, 3, n) gradients there."""
     found, f = np.empty(len(cells)), np.empty((3, 3))
     for e in range(len(cells)):
         gradient_at(x, cells[e], dn[e, 0], f)

@@ -58,9 +58,9 @@ def values(count: int, points: np.ndarray = GAUSS) -> np.ndarray:
 
 
 def gradients(nodes: np.ndarray, cells: np.ndarray, points: np.ndarray = GAUSS):
-    """(dn (m, g, n, 3), volume (m, g)) of `cells` (m, n) at `points`, with respect to drawn places."""
+    """(dn (m, g, 3, n), volume (m, g)) of `cells` (m, n) at `points`, with respect to drawn places."""
     local = slopes(cells.shape[1], points)
     jacobian = np.einsum("mni,gnj->mgij", nodes[cells], local)
     volume = np.linalg.det(jacobian)
-    dn = np.einsum("gnj,mgji->mgni", local, np.linalg.inv(jacobian))
+    dn = np.einsum("gnj,mgji->mgin", local, np.linalg.inv(jacobian))
     return np.ascontiguousarray(dn), volume

@@ -15,7 +15,7 @@ import numpy as np
 
 from handgen.geometry.finger import Axis
 from handgen.materials.law import Law
-from handgen.simulation import cavity, contact, element, fibre, shapes
+from handgen.simulation import cavity, contact, element, fibre, principal, shapes
 from handgen.simulation.base import Base, add_turned_plane
 from handgen.simulation.case import Case, Grid, Substance
 from handgen.simulation.closing import Closing
@@ -52,17 +52,17 @@ class Load:
 
 
 def kernel_law(law: Law) -> tuple[int, np.ndarray]:
-    """(form, constants) of `law` as `element.law_at` takes them.
+    """(form, constants) of `law` as `principal.respond` takes them.
 
     Raises:
         ValueError: the kernel does not know this law.
     """
     if law.name == "ogden":
-        return element.OGDEN, np.array([v for pair in zip(*law.constants, strict=True) for v in pair])
+        return principal.OGDEN, np.array([v for pair in zip(*law.constants, strict=True) for v in pair])
     if law.name not in POLYNOMIALS:
         raise ValueError(f"the solid model knows {', '.join([*POLYNOMIALS, 'ogden'])}, not {law.name}")
     values = dict(zip(POLYNOMIALS[law.name], law.constants, strict=True))
-    return element.POLYNOMIAL, np.array([values.get(name, 0.0) for name in ("c10", "c20", "c30", "c01")])
+    return principal.POLYNOMIAL, np.array([values.get(name, 0.0) for name in ("c10", "c20", "c30", "c01")])
 
 
 @dataclass
@@ -82,13 +82,13 @@ class Block:
 
     def __post_init__(self):
         self.stress = np.zeros((*self.weight.shape, 3, 3))
-        self.first = np.zeros_like(self.stress)
-        self.moduli = np.zeros((*self.weight.shape, 9, 9))
+        self.kept = np.zeros((*self.weight.shape, *element.KEPT))
+        self.swell = np.zeros((len(self.cells), 3 * self.cells.shape[1] + 1))
         self.pressure = np.zeros(self.weight.shape)
 
     def softened(self, lost: float) -> np.ndarray:
         """The constants with a share of the law's stresses `lost`; of a row of powers only the mu."""
-        if self.form == element.OGDEN:
+        if self.form == principal.OGDEN:
             return self.constants * np.where(np.arange(len(self.constants)) % 2, 1.0, 1.0 - lost)
         return (1.0 - lost) * self.constants
 
@@ -394,7 +394,7 @@ class System:
                 part, low = element.assemble(
                     x, b.cells[at], b.dn[at], b.weight[at], b.form,
                     b.softened(lost) if b.mean else b.constants, b.bulk, b.mean,
-                    b.stress[at], b.pressure[at], exact, b.first[at], b.moduli[at], b.dofs[at],
+                    b.stress[at], b.pressure[at], exact, b.kept[at], b.swell[at], b.dofs[at],
                     b.place[at], frames, curves, b.framed[at], force, matrix)
                 energy, least = energy + part, min(least, low)
             return energy, force, matrix, least
@@ -506,8 +506,8 @@ class System:
         def share(number: int):
             for b in self.blocks:
                 at = self._part(number, len(b.cells))
-                element.extrapolate(x, moved, b.cells[at], b.dn[at], b.weight[at], b.bulk, b.mean,
-                                    b.first[at], b.moduli[at], b.stress[at], b.pressure[at])
+                element.extrapolate(moved, b.cells[at], b.dn[at], b.weight[at], b.bulk, b.mean,
+                                    b.kept[at], b.swell[at], b.stress[at], b.pressure[at])
 
         self._shared(share)
         if len(self.threads):
