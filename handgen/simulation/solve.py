@@ -31,6 +31,8 @@ HOPELESS, LATE = 1e9, 12
 COUPLED, SOLUTIONS = 1e-3, 30
 """Error of a step relative to the step, up to which friction's part of the equations is solved, and the
 solutions with the symmetric part's factor that it may take."""
+NEARLY = 1e-3
+"""Residual from which on the tangent of the iteration before serves once more: a hundredth is left by it."""
 TURN = 0.15
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES = 4
@@ -88,7 +90,9 @@ class Solver:
         self.folds: list[float] = []
         self.stopped = ""
         self._steps = list(STEPS.parts)
-        self._slope: np.ndarray | None = None
+        self._slope: tuple[np.ndarray, float, tuple[float, ...]] | None = None
+        self._stands: np.ndarray | None = None
+        """The state whose tangent stands factorised."""
         self._direction: tuple[float, ...] | None = None
 
     # Steps
@@ -102,6 +106,7 @@ class Solver:
         s.grip = 2 * SOFT
         _, _, values, _ = s.assemble(point.q, point.load, exact=False)
         s.grip = 0.0
+        self._stands = point.q
         return point if self._factorise(values) else None
 
     def advance(self, point: Point, target: Load) -> tuple[Point, bool]:
@@ -144,14 +149,12 @@ class Solver:
         return any(g != 0 and s < least for g, s, least in zip(gap, self._steps, SHORTEST.parts, strict=True))
 
     def _step(self, point: Point, load: Load) -> tuple[Point, int] | None:
-        """(stable state under `load`, iterations) or None; leaves its tangent factorised.
-
-        The tangent of `point` itself must stand factorised: `_stable` does that, here or when it was found.
-        """
+        """(stable state under `load`, iterations) or None; leaves its tangent factorised."""
         s, q = self.system, point.q
-        if self._slope is None and self.cost.steps and not self._stable(point):
+        if self._stands is not q and not self._stable(point):
             return None
-        _, force, _, _ = s.assemble(q, load, exact=True)
+        self._stands = None
+        force = s.reload(q, load)
         change = np.subtract(load.parts, point.load.parts)
         size = float(np.abs(change / STEPS.parts).max())
         first = self._solve(-force)
@@ -166,6 +169,7 @@ class Solver:
             new, residual, iterations, values = found
             if self._factorise(values):
                 s.accept(new)
+                self._stands = new
                 self._slope = (slope, size, direction)
                 return Point(load, new, residual), iterations
         self._slope = None
@@ -180,6 +184,7 @@ class Solver:
         """
         s = self.system
         earlier = last = np.inf
+        fresh = False
         for iteration in range(MOST_ITERATIONS + 1):
             _, force, values, least = s.assemble(q, load, exact=False)
             self.cost.assemblies += 1
@@ -196,7 +201,9 @@ class Solver:
             if iteration >= ITERATIONS and (iteration == MOST_ITERATIONS or residual > earlier / 4):
                 return None
             earlier, last = last, residual
-            if not self._factorise(values):
+            if fresh and residual < NEARLY:
+                fresh = False
+            elif not (fresh := self._factorise(values)):
                 self.cost.indefinite += 1
                 if drag is not None or self.matrix.indefinite(values) > NEGATIVES:
                     return None
@@ -234,7 +241,8 @@ class Solver:
     def _stable(self, point: Point) -> bool:
         """Whether the tangent of `point` is positive definite; it stays factorised."""
         _, _, values, least = self.system.assemble(point.q, point.load, exact=True)
-        return least > 0.0 and self._factorise(values)
+        self._stands = point.q if least > 0.0 and self._factorise(values) else None
+        return self._stands is not None
 
     def _factorise(self, values: np.ndarray) -> bool:
         self.cost.factorisations += 1

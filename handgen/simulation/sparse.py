@@ -22,16 +22,13 @@ class Pattern:
 
     def __init__(self, groups: Sequence[np.ndarray], size: int):
         self.size = size
-        keys = [np.arange(size, dtype=np.int64) * (size + 1)]
-        keys += [np.unique(self._keys(g)) for g in groups if len(g)]
-        known = np.unique(np.concatenate(keys))
-        known = known[known >= 0]
+        keys = [self._keys(g) for g in groups]
+        known = np.sort(np.concatenate([np.arange(size, dtype=np.int64) * (size + 1),
+                                        *(k[k >= 0] for k in keys)]))
+        known = known[np.append(True, known[1:] != known[:-1])]
         self.columns, self.rows = known // size, known % size
         self.entries = len(known)
-        self.places = [np.searchsorted(known, key := self._keys(g)).astype(np.int32) * (key >= 0) - (key < 0)
-                       for g in groups]
-        for i, g in enumerate(self.places):
-            self.places[i] = np.ascontiguousarray(g.astype(np.int32))
+        self.places = [np.where(k >= 0, np.searchsorted(known, k), -1).astype(np.int32) for k in keys]
         self.diagonal = np.searchsorted(known, np.arange(size, dtype=np.int64) * (size + 1))
 
     def _keys(self, dofs: np.ndarray) -> np.ndarray:

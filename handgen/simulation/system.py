@@ -348,8 +348,8 @@ class System:
 
         `exact`: with the stresses of this very state in the geometric stiffness, not the extrapolated ones.
         """
-        x = self.positions(q)
-        frames, curves = self._frames(q)
+        x, (frames, curves) = self.positions(q), self._frames(q)
+        self._placed = x, frames
         energy, force, matrix, least = self._deform(x, frames, curves, load.lost, exact)
         if least <= 0.0:
             return np.inf, force, matrix, least
@@ -357,6 +357,24 @@ class System:
             energy += fibre.add_threads(
                 x, self.threads, self.thread_length, self.thread_stiffness, self.compressive, self.tension,
                 exact, *self.groups["threads"], force, matrix)
+        self._inner = load.lost, force.copy()
+        energy += self._touch(x, q, exact, force, matrix)
+        energy += self._act(x, q, load, force, matrix)
+        return energy, force, matrix, least
+
+    def reload(self, q: np.ndarray, load: Load) -> np.ndarray:
+        """Force out of balance, N, under another load at `q`, where the system was assembled last."""
+        lost, inner = self._inner
+        if lost != load.lost:
+            return self.assemble(q, load, exact=True)[1]
+        force, unused = inner.copy(), np.zeros(self.pattern.entries)
+        self._touch(self._placed[0], q, True, force, unused)
+        self._act(self._placed[0], q, load, force, unused)
+        return force
+
+    def _touch(self, x: np.ndarray, q: np.ndarray, exact: bool, force: np.ndarray, matrix: np.ndarray) -> float:
+        """Add what bodies that meet do to one another; returns the energy of it."""
+        energy = 0.0
         if self.case.contact.bonded and len(self.pair_nodes):
             energy += contact.add_bonds(
                 x, *self._points, self.pair_areas,
@@ -380,8 +398,7 @@ class System:
             energy += part
         if self.closing:
             energy += self.closing.add(self.bone_states(q), *self.groups["closing"], force, matrix)
-        energy += self._act(x, q, load, force, matrix)
-        return energy, force, matrix, least
+        return energy
 
     def _deform(self, x, frames, curves, lost: float, exact: bool):
         """(energy, force, matrix, least J) of the elements, in as many threads as there are."""
@@ -499,8 +516,7 @@ class System:
 
         The system must have been assembled at `q` last: laws are not evaluated again.
         """
-        x = self.positions(q)
-        slopes, _ = self._frames(q)
+        x, slopes = self._placed
         moved = np.einsum("nij,nj->ni", slopes, np.where(self.dofs >= 0, step[self.dofs], 0.0))
 
         def share(number: int):
