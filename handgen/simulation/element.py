@@ -148,14 +148,14 @@ def _add_stiffness(a, turned, weight, across, kc):
                         across[first + j, k * nodes + n] = (
                             a0 * turned[first, n] + a1 * turned[first + 1, n] + a2 * turned[first + 2, n])
         for n in range(nodes):
-            row = kc[i * nodes + n]
+            own = kc[i * nodes + n]
             for g in range(0, 3 * points, 6):
                 d0, d1, d2 = turned[g, n], turned[g + 1, n], turned[g + 2, n]
                 d3, d4, d5 = turned[g + 3, n], turned[g + 4, n], turned[g + 5, n]
                 for column in range((i + 1) * nodes):
-                    row[column] += (
-                        d0 * across[g, column] + d1 * across[g + 1, column] + d2 * across[g + 2, column]
-                        + d3 * across[g + 3, column] + d4 * across[g + 4, column] + d5 * across[g + 5, column])
+                    own[column] += d0 * across[g, column] + d1 * across[g + 1, column] + (
+                        d2 * across[g + 2, column] + d3 * across[g + 3, column]
+                        + d4 * across[g + 4, column] + d5 * across[g + 5, column])
 
 
 @njit(nogil=True, **KERNEL)

@@ -372,7 +372,7 @@ class System:
         self._act(self._placed[0], q, load, force, unused)
         return force
 
-    def _touch(self, x: np.ndarray, q: np.ndarray, exact: bool, force: np.ndarray, matrix: np.ndarray) -> float:
+    def _touch(self, x: np.ndarray, q: np.ndarray, exact: bool, force, matrix) -> float:
         """Add what bodies that meet do to one another; returns the energy of it."""
         energy = 0.0
         if self.case.contact.bonded and len(self.pair_nodes):
