@@ -100,6 +100,14 @@ def test_any_times_keep_the_rules(durations, moulds):
     assert day.end >= day.bound - SLACK
 
 
+def test_a_mix_fills_what_its_pot_life_allows():
+    """Moulds that are ready at once, and a mix that takes long: as many as possible share it, but no more."""
+    d = Durations({f"a{i}": 0.5 for i in range(7)}, 0.0, 10.0, 2.0, 16.0, 180.0, 0.0, 0.0)
+    day = plan(d, 7)
+    assert broken(day, d, 7) == []
+    assert max(len(pours) for _, pours in day.mixes) == d.batch == 3
+
+
 @pytest.mark.parametrize(("cure", "pot_life", "wind"), [
     (180.0, 18.0, {"a": 9.0, "b": 3.0}), (20.0, 40.0, {"a": 5.0, "b": 6.0}),
     (8.0, 8.0, {"a": 10.0, "b": 4.0})])

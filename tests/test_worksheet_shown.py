@@ -75,8 +75,8 @@ def test_the_page_prints_on_a4_with_a_sheet_for_every_actuator(file):
         assert page.evaluate("document.documentElement.scrollWidth") <= 695
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
         breaks = page.evaluate(
-            "[...document.querySelectorAll('section.sheet')].map(s => getComputedStyle(s).breakBefore)")
-        assert breaks == ["page"] * 8
+            "[...document.querySelectorAll('.sheet')].map(s => getComputedStyle(s).breakBefore)")
+        assert breaks == ["page"] * 9
         pdf = page.pdf(prefer_css_page_size=True)
     sizes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)
     assert 10 <= len(sizes) <= 16

@@ -144,7 +144,7 @@ def _day(sheet: Sheet) -> str:
         _table(["moulds filled at once", "until the last is out", "mixes", "any shorter?"], compared),
         "<p>One pair of hands. Cures are least times: a night may fall into any of them."
         f"{TIPS * any(pour.layer == TIP for made in sheet.pours.values() for pour in made)}</p>",
-        _table(["", "from", "to", "do", "actuator", "silicone"], rows)))
+        f'<div class="sheet">{_table(["", "from", "to", "do", "actuator", "silicone"], rows)}</div>'))
 
 
 def _proof(timeline: Timeline) -> str:

@@ -32,6 +32,6 @@ code { font-size: .9em; }
   h3 { font-size: 11.5px; margin-top: 8px; }
   table { font-size: 9.5px; } th, td { padding: 1.5px 7px 1.5px 0; } tr, li, svg, img { break-inside: avoid; }
   thead { display: table-header-group; } h2, h3 { break-after: avoid; }
-  section.sheet { break-before: page; } .wide { overflow: visible; }
-  section.sheet .shown img { max-height: 118mm; width: auto; max-width: 100%; margin: 0 auto 6px; } }
+  .sheet { break-before: page; } .wide { overflow: visible; }
+  .sheet .shown img { max-height: 118mm; width: auto; max-width: 100%; margin: 0 auto 6px; } }
 """

@@ -101,7 +101,8 @@ def plan(durations: Durations, moulds: int) -> Timeline:
     """The shortest schedule found, with a bound that proves how short any could be.
 
     Simple rules of thumb (what to do first, how many moulds to wait for before a mix) are all tried; see
-    `lower_bound` for what they are held against.
+    `lower_bound` for what they are held against. A mix is poured at once: where a pot life is as long as a
+    cure, letting it stand can save time on paper, and only the bound counts on that.
 
     Raises:
         InputError: no actuators, no mould, or a mix that cannot fill one mould within its pot life.
