@@ -91,6 +91,18 @@ def test_two_effects_are_a_pair():
     assert (said.word, set(said.effects)) == ("pair", {"curl", "soft"})
 
 
+def test_what_is_certain_is_named_where_a_second_effect_is_open():
+    """The curl cannot be missed; of the softness a little is there, which noise could be as well."""
+    lib = library()
+    found = [score(lib, readings(lib, truth(lib, curl=1.2, soft=0.5), seed)) for seed in range(8)]
+    open_ = [one for one in found if one.present("curl") >= 0.9 and one.hypotheses[0].id == "curl+soft"
+             and one.hypotheses[0].probability < 0.9]
+    assert open_
+    for one in open_:
+        said = verdict(one)
+        assert (said.word, said.effects, said.best.id) == ("named", ("curl",), "curl")
+
+
 def test_something_else_is_outside_and_never_named():
     lib = library()
     odd = np.where(lib.owner == 1, 3.0 * np.cos(lib.loads / 5), 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 FINE = {1: 121, 2: 33, 3: 13}
 """Values an axis, by the number of parameters."""
-COARSE = {1: 41, 2: 13, 3: 7}
+COARSE = {1: 25, 2: 13, 3: 7}
 """The same where two effects are taken together."""
 
 

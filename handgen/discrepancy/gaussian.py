@@ -18,8 +18,15 @@ class Whitener:
 
     @classmethod
     def of(cls, covariance: np.ndarray) -> Whitener:
-        jitter = 1e-9 * float(np.trace(covariance)) / max(len(covariance), 1)
-        return cls(np.linalg.cholesky(covariance + jitter * np.eye(len(covariance))))
+        return cls.all_of(covariance[None])[0]
+
+    @classmethod
+    def all_of(cls, covariances: np.ndarray) -> list[Whitener]:
+        """Of each of (c, s, s) covariances."""
+        size = covariances.shape[-1]
+        jitter = 1e-9 * np.trace(covariances, axis1=1, axis2=2) / max(size, 1)
+        lowers = np.linalg.cholesky(covariances + jitter[:, None, None] * np.eye(size))
+        return [cls(lower) for lower in lowers]
 
     @cached_property
     def inverse(self) -> np.ndarray:
@@ -30,7 +37,7 @@ class Whitener:
         """(..., s) whitened along the last axis."""
         return rows @ self.inverse.T
 
-    @property
+    @cached_property
     def log_norm(self) -> float:
         return float(-np.log(np.diag(self.lower)).sum() - len(self.lower) / 2 * np.log(2 * np.pi))
 

@@ -67,8 +67,10 @@ def estimates(names: Sequence[str], values: np.ndarray, log_posterior: np.ndarra
     best = values[int(log_posterior.argmax())]
     found = []
     for i, name in enumerate(names):
-        line, where = np.unique(values[:, i], return_inverse=True)
-        mass = np.bincount(where, share)
+        line, mass = values[:, i], share
+        if len(names) > 1:
+            line, where = np.unique(line, return_inverse=True)
+            mass = np.bincount(where, share)
         # Half of a value's weight lies below it
         below = np.cumsum(mass) - mass / 2
         low, high = np.interp(INTERVAL, below, line)

@@ -62,13 +62,12 @@ def coarsened(response: Response) -> Dense:
 def _posterior(whiteners: Sequence[Whitener], white: Sequence[np.ndarray], first: Sequence[np.ndarray],
                second: Sequence[np.ndarray]) -> np.ndarray:
     """log of the likelihood at every two values, summed over the scales of the structural error."""
-    total = None
+    terms = []
     for whiten, w, a, b, share in zip(whiteners, white, first, second, SCALE_WEIGHTS, strict=True):
-        left = ((w - a) ** 2).sum(axis=1)
-        squares = left[:, None] + (b**2).sum(axis=1)[None, :] - 2 * (w - a) @ b.T
-        term = whiten.log_norm - squares / 2 + np.log(share)
-        total = term if total is None else np.logaddexp(total, term)
-    return total
+        left = w - a
+        squares = (left**2).sum(axis=1)[:, None] + (b**2).sum(axis=1)[None, :] - 2 * left @ b.T
+        terms.append(whiten.log_norm - squares / 2 + np.log(share))
+    return np.logaddexp(np.logaddexp(terms[0], terms[1]), terms[2])
 
 
 def _rows(posterior: np.ndarray) -> np.ndarray:

@@ -92,7 +92,7 @@ class Problem:
         """(n, k); what two effects change of it adds up."""
         base = self.library.jacobian
         local = [self.library.responses[name].jacobian for name in ids]
-        return base + sum((one - base for one in local if one is not None), np.zeros_like(base))
+        return sum((one - base for one in local if one is not None), base)
 
     def structural(self, ids: Sequence[str]) -> np.ndarray:
         """(n, n); of two effects the one that leaves more open, and what the laws of both get wrong."""
@@ -108,7 +108,11 @@ class Problem:
         """One for each of SCALES."""
         key = self.local(ids)
         if key not in self._whiteners:
-            self._whiteners[key] = [Whitener.of(self.covariance(scale, key)) for scale in SCALES]
+            slopes = self.jacobian(key)[self.scored]
+            rest = self.reading + slopes @ self.library.prior @ slopes.T
+            structural = self.structural(key)[np.ix_(self.scored, self.scored)]
+            squares = np.square(SCALES)[:, None, None]
+            self._whiteners[key] = Whitener.all_of(rest + squares * structural)
         return self._whiteners[key]
 
     def whitener(self, ids: Sequence[str] = ()) -> Whitener:

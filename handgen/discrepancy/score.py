@@ -133,7 +133,7 @@ def _single(problem: Problem, grid: Grid) -> Draft:
     names = problem.library.responses[grid.id].parameters
     if len(grid.values) == 0:
         return Draft(grid.id, (grid.id,), -np.inf, {grid.id: ()}, problem.library.baseline, 0, problem)
-    posterior = np.array([log_sum(column) for column in grid.log_densities.T]) + grid.log_weights
+    posterior = np.logaddexp.reduce(grid.log_densities) + grid.log_weights
     return Draft(grid.id, (grid.id,), log_sum(posterior),
                   {grid.id: estimates(names, grid.values, posterior)},
                   grid.predictions[int(posterior.argmax())], len(names), problem)

@@ -54,11 +54,12 @@ def verdict(scores: Scores) -> Verdict:
         if best.probability >= 0.5:
             return said("none", (), best.probability)
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
-    present = {name: scores.present(name) for name in best.ids}
-    if len(best.ids) == 1 and present[best.id] >= SURE and best.probability >= 0.5:
-        return said("named", best.ids, present[best.id])
     if len(best.ids) == 2 and best.probability >= SURE:
         return said("pair", best.ids, best.probability)
+    # One effect may be certain where it is open whether another one is there as well
+    sure = [name for name in best.ids if scores.present(name) >= SURE]
+    if len(sure) == 1 and scores[sure[0]].p_value >= MISFIT:
+        return said("named", (sure[0],), scores.present(sure[0]), scores[sure[0]])
     return said("ambiguous", _effects(scores, held), _sum(scores, held))
 
 
