@@ -357,6 +357,29 @@ def _measure(arguments: argparse.Namespace, output: Output) -> int:
     return PASSED if report["passed"] else FAILED
 
 
+# diff
+
+
+def _diff_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("params", metavar="A", help="parameter file, e.g. params/adult.yaml")
+    parser.add_argument("other", metavar="B", help="another one, e.g. a variant of it")
+    parser.add_argument("--quick", action="store_true",
+                        help="only what is known without making a part or running a rule")
+    parser.add_argument("--bend", dest="solving", action="store_true",
+                        help="solve the bends that are not known yet (seconds a finger)")
+    parser.add_argument("--workers", type=_count, default=None, metavar="N",
+                        help="processes to work with (default: one a core)")
+
+
+def _diff(arguments: argparse.Namespace, output: Output) -> int:
+    from handgen.diff import diff, said
+
+    result = diff(arguments.params, arguments.other, arguments.out, quick=arguments.quick,
+                  solving=arguments.solving, progress=output.note, workers=arguments.workers)
+    output.result(result, said.told(result, output.style))
+    return FAILED if result["b"]["passed"] is False else PASSED
+
+
 # report
 
 
@@ -436,6 +459,8 @@ VERBS = {
     "sweep": Verb("vary what a hand is made of, compare the variants, find the best", _sweep_arguments,
                   _sweep),
     "measure": Verb("size, volume, walls and watertightness of any STL", _measure_arguments, _measure),
+    "diff": Verb("what changes between two parameter files: parts, masses, times, rules, bend",
+                 _diff_arguments, _diff),
     "report": Verb("write one page that shows the whole design", _report_arguments, _report),
     "view": Verb("serve that page on this machine, anew at every save", _view_arguments, _view),
     "schema": Verb("print the JSON Schema of parameter files (for editors)", _schema_arguments, _schema),

@@ -56,7 +56,8 @@ def surveyed(stage: Path) -> Survey:
     findings = [finding("exoskeleton/hand", tip), finding(f"actuators/{FINGER}", inside, "info"),
                 finding(mould, extreme(parts[mould].stl, 2, -1.0)),
                 finding("exoskeleton/hand", None)]
-    return Survey(loaded, parts, report(findings), None)
+    keys = {name: listed[name].key for name in parts}
+    return Survey(loaded, parts, report(findings), None, keys)
 
 
 def bent(survey: Survey):

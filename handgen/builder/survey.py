@@ -46,16 +46,21 @@ class Survey:
 
     loaded: Loaded
     parts: Mapping[str, Surveyed]
-    report: Mapping[str, Any]
-    """The contract's handgen.checks/1."""
+    report: Mapping[str, Any] | None
+    """The contract's handgen.checks/1; None where only what is `known` was asked for and this is not."""
     built: Mapping[str, Any] | None
     """The manifest of a build of these very parts; None where there is none in the folder."""
+    keys: Mapping[str, str]
+    """Every part, surveyed or not -> key of its content: equal keys have equal files."""
 
 
 @contextmanager
 def survey(params: str | os.PathLike | Loaded, out: str | os.PathLike | None = None,
-           progress: Progress | None = None, workers: int | None = None) -> Iterator[Survey]:
+           progress: Progress | None = None, workers: int | None = None, *, known: bool = False
+           ) -> Iterator[Survey]:
     """Survey the hand of `params`; `out` is where its build lies, if there is one (`outputs/<name>`).
+
+    `known`: nothing is made or judged; parts and report are those of earlier runs.
 
     Raises:
         InputError: bad parameters, or a folder that is not handgen's.
@@ -71,9 +76,10 @@ def survey(params: str | os.PathLike | Loaded, out: str | os.PathLike | None = N
     with tempfile.TemporaryDirectory(prefix="handgen-") as place:
         survey_ = _Survey(loaded, planned, Path(place), progress or (lambda line: None))
         survey_.fetch({name: store.final / row["files"]["stl"] for name, row in rows.items()})
-        report = survey_.work(workers or default_count())
+        report = survey_.judged() if known else survey_.work(workers or default_count())
         whole = len(rows) == len(planned) and manifest["parameters_sha256"] == loaded.sha256
-        yield Survey(loaded, survey_.measured(), report, manifest if whole else None)
+        yield Survey(loaded, survey_.measured(), report, manifest if whole else None,
+                     {one.part.name: one.key for one in planned})
 
 
 class _Survey:
@@ -101,18 +107,22 @@ class _Survey:
             except (FileNotFoundError, ValueError):
                 continue  # it is made anew
 
+    def judged(self) -> dict[str, Any] | None:
+        """The report that is known."""
+        known = self.reports.get(judged_key(self.loaded, self.planned))
+        return None if known is None else json.loads(known)
+
     def work(self, workers: int) -> dict[str, Any]:
         """Make the missing meshes and judge them all; returns the report."""
         missing = [one for one in self.planned if one.part.name not in self.facts]
-        key = judged_key(self.loaded, self.planned)
-        known = self.reports.get(key)
-        if not missing and known is not None:
-            return json.loads(known)
+        report = self.judged()
+        if not missing and report is not None:
+            return report
         with tempfile.TemporaryFile() as lock, Workers(workers, lock.fileno(), ("manifold3d",)) as pool:
             pool.warm(max(len(missing), 1))
             self._mesh(missing, pool)
-            report = json.loads(known) if known is not None else self._judge(pool)
-        self.reports.put(key, json.dumps(report).encode())
+            report = report or self._judge(pool)
+        self.reports.put(judged_key(self.loaded, self.planned), json.dumps(report).encode())
         return report
 
     def _mesh(self, missing: list[Planned], pool: Workers) -> None:
@@ -137,4 +147,4 @@ class _Survey:
 
     def measured(self) -> dict[str, Surveyed]:
         return {one.part.name: Surveyed(one.part, self._path(one.part.name), self.facts[one.part.name])
-                for one in self.planned}
+                for one in self.planned if one.part.name in self.facts}

@@ -63,6 +63,11 @@ def resolved(hand: Hand) -> dict:
     return hand.model_dump(mode="json", by_alias=True)
 
 
+def leaves(hand: Hand) -> dict[str, Any]:
+    """Key path -> value of every parameter, defaults included, in the order of the definition."""
+    return {text(path): value for path, value in _leaves(_plain(hand), ())}
+
+
 def _plain(hand: Hand) -> dict:
     return {key: value for key, value in resolved(hand).items() if key not in (SECTION, "schema")}
 
