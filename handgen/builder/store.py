@@ -25,7 +25,7 @@ CHECKS = "checks.json"
 SCHEMAS = {MANIFEST: "handgen.manifest/1", CHECKS: "handgen.checks/1"}
 """By its index a folder is known as handgen's: a build's by the manifest, a check's by its report."""
 CHECK_FOLDER = "checks"
-RESULTS = (CHECK_FOLDER, "bend", "slices", "worksheet", "report")
+RESULTS = (CHECK_FOLDER, "bend", "slices", "worksheet", "report", "diff")
 """What other verbs put beside a build: folders, or files of these names."""
 RENAME_EXCHANGE = 2
 AT_FDCWD = -100

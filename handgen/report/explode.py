@@ -13,10 +13,10 @@ BEYOND = {"collar": 20.0, "plug": 42.0}
 ACTUATOR = 65.0
 LIFT = 2.5
 """Way of the opposition's actuators in diameters of theirs."""
-ASIDE = {"core_large": (0.0, 55.0, 0.0), "core_small": (0.0, 85.0, 0.0), "suspender": (-45.0, 0.0, 0.0),
-         "mould_base": (35.0, 0.0, 0.0), "plug": (-75.0, 0.0, 0.0), "collar": (-60.0, 0.0, 0.0)}
+ASIDE = {"core_large": (0.0, 50.0, 0.0), "core_small": (0.0, 80.0, 0.0), "suspender": (-40.0, 0.0, 0.0),
+         "mould_base": (35.0, 0.0, 0.0), "plug": (-95.0, 0.0, 0.0), "collar": (-70.0, 0.0, 0.0)}
 """Ways of the tooling in the actuator's frame, mm."""
-HALVES = 40.0
+HALVES = 75.0
 """Way of a mould's half, mm, to the side on which it lies."""
 FINGER = (0.0, -50.0, 0.0)
 

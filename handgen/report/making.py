@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -11,9 +10,10 @@ from handgen.builder.survey import Survey
 from handgen.parameters.model import Hand
 from handgen.report import markup
 from handgen.report.dimensions import source
+from handgen.slicing import known
 
 HAND = "exoskeleton/hand"
-SLICES, WORKSHEET = "slices.json", "worksheet.html"
+WORKSHEET = "worksheet.html"
 UNSLICED = "Not sliced yet: `handgen slice` adds the times and masses of a real slicer."
 MM3 = 1e-3
 """cm3."""
@@ -37,19 +37,6 @@ def masses(survey: Survey) -> dict[str, float | None]:
     return found
 
 
-def slices(folder: Path) -> list[dict[str, Any]]:
-    """What the slicers computed, where `handgen slice` left it; rows that are not whole are left out."""
-    for file in (folder / SLICES, *sorted(folder.glob(f"*/{SLICES}"))):
-        try:
-            rows = json.loads(file.read_bytes())
-        except (OSError, ValueError):
-            continue
-        rows = rows.get("slices", []) if isinstance(rows, dict) else rows
-        return [row for row in rows if isinstance(row, dict)
-                and {"part", "slicer", "print_time_s", "filament_g"} <= row.keys()]
-    return []
-
-
 def worksheet(folder: Path) -> str | None:
     """Where the worksheet lies, relative to `folder`."""
     places = (folder / WORKSHEET, *sorted(folder.glob(f"*/{WORKSHEET}")))
@@ -60,7 +47,7 @@ def section(survey: Survey, folder: Path) -> str:
     """Print time and mass of the hand, ours and the source's; every sliced part."""
     if HAND not in survey.parts:
         return ""
-    sliced = slices(folder)
+    sliced = known.rows(survey.loaded.hand, folder)
     content = [_beside(survey, sliced), *(f"<p>{words}</p>" for words in _why(survey, sliced))]
     if sliced:
         content.append(markup.folded(f"All sliced parts ({len(sliced)})", _sliced(sliced)))
@@ -75,8 +62,10 @@ def _beside(survey: Survey, sliced: Iterable[dict[str, Any]]) -> str:
     told = source()["hand"]
     ours = survey.parts[HAND]
     length = ours.facts.bbox_mm[1][0] - ours.facts.bbox_mm[0][0]
+    curled = any(joint.rest_angle for finger in survey.loaded.hand.fingers.present().values()
+                 for joint in finger.joints)
     rows = [
-        ("length", told["length"], length, "mm", "measured on the mesh"),
+        ("length", told["length"], length, "mm", "measured on the mesh" + ", fingers curled" * curled),
         ("volume", told["volume"], ours.facts.volume_mm3 * MM3, "cm3", "measured on the mesh"),
         ("mass", told["mass"], masses(survey)[HAND], "g", "filled; volume times filament density"),
     ]

@@ -44,8 +44,8 @@ def page(survey: Survey, bent: Mapping[str, Bend], missing: Mapping[str, str], f
               sections.bending(bent, missing, drawn, moving is not None), sections.dimensions(measured),
               making.section(survey, folder), sections.adapted(survey), sections.downloads(survey, embedded)]
     data = {"name": survey.loaded.hand.name, "scenes": listed, "meshes": stage.meshes,
-            "findings": survey.report["findings"], "curves": drawn.data if drawn else {},
-            "downloads": embedded}
+            "findings": survey.report["findings"], "ranks": sections.ranks(survey.report),
+            "curves": drawn.data if drawn else {}, "downloads": embedded}
     hand = survey.loaded.hand
     return fill(title=f"{hand.name}: report", name=hand.name, description=hand.description or "",
                 verdict=sections.verdict(survey), panels="\n".join(filter(None, panels)), data=data,

@@ -49,11 +49,18 @@ def glance(survey: Survey, bent: Mapping[str, Bend]) -> str:
                           f'<nav aria-label="On this page" style="margin-top:.8rem">{nav}</nav>')
 
 
+def ranks(report: Mapping[str, Any]) -> list[int]:
+    """The number by which a reader finds each finding of the report: the worst come first, from 1."""
+    order = sorted(range(len(report["findings"])),
+                   key=lambda n: WORST.index(report["findings"][n]["severity"]))
+    return [order.index(n) + 1 for n in range(len(order))]
+
+
 def findings(survey: Survey) -> str:
     """Every finding, the worst first; choosing one shows its place on the model."""
-    report = survey.report
+    report, rank = survey.report, ranks(survey.report)
     numbered = list(enumerate(report["findings"]))
-    lists = {kind: [_finding(n, f) for n, f in numbered if f["severity"] == kind] for kind in WORST}
+    lists = {kind: [_finding(n, rank[n], f) for n, f in numbered if f["severity"] == kind] for kind in WORST}
     told = lists["error"] + lists["warning"]
     content = [f'<ol class="findings">{"".join(told)}</ol>' if told else "<p>No rule is broken.</p>"]
     if lists["info"]:
@@ -63,14 +70,14 @@ def findings(survey: Survey) -> str:
     return markup.section("findings", "Findings", *content)
 
 
-def _finding(index: int, found: Mapping[str, Any]) -> str:
+def _finding(index: int, rank: int, found: Mapping[str, Any]) -> str:
     where = "" if found["where"] is None else " at ({:.1f}, {:.1f}, {:.1f})".format(*found["where"])
     measured = "" if found["measured"] is None else f"measured {found['measured']:.4g} {found['unit']}"
     limit = "" if found["limit"] is None else f"limit {found['limit']:.4g} {found['unit']}"
     numbers = ", ".join(filter(None, (measured, limit)))
     severity = found["severity"]
     return (f'<li data-finding="{index}"><button type="button">'
-            f'<span class="number {severity}">{index + 1}</span>'
+            f'<span class="number {severity}">{rank}</span>'
             f'<b class="{severity}">{severity}</b> <b>{markup.text(found["rule"])}</b>'
             f'<br><span class="where">{markup.text(found["part"] + where)}</span></button>'
             f'<p>{markup.text(found["message"])}</p><p>Mend: {markup.text(found["fix"])}</p>'

@@ -10,6 +10,7 @@ import contextlib
 import json
 import mimetypes
 import os
+import sys
 import threading
 import traceback
 from collections.abc import Callable
@@ -30,7 +31,12 @@ EVERY = 0.4
 """Seconds between looks at the files."""
 LONGEST_CHAIN = 16
 OURS = "this is a mistake in handgen itself; please report it: "
-POLICY = "default-src 'none'; frame-ancestors 'none'"
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'"
+"""For files of the folder, the worksheet among them: no scripts."""
+
+
+class _OutdatedError(Exception):
+    """The file was saved while its fingers were being bent."""
 
 
 class Maker:
@@ -57,11 +63,17 @@ class Maker:
             ended.wait(EVERY)
 
     def make(self, outdated: Callable[[], bool] = lambda: False) -> None:
-        """A page with the bends that are known, then, unless it is `outdated`, one with all of them."""
+        """A page with the bends that are known, then one with all, unless that is `outdated` before."""
+        def note(line: str) -> None:
+            if outdated():
+                raise _OutdatedError
+            self._note(line)
+
         try:
-            missing = self._made(known=True)
-            if missing and not outdated():
-                self._made(known=False)
+            if self._made(self._note, known=True):
+                self._made(note, known=False)
+        except _OutdatedError:
+            pass
         except InputError as error:
             self.problems = [str(problem) for problem in error.problems]
         except (HandgenError, OSError) as error:
@@ -72,10 +84,10 @@ class Maker:
             self.problems = [f"{OURS}{type(error).__name__}: {error}"]
         self.busy = ""
 
-    def _made(self, known: bool) -> bool:
+    def _made(self, note: Callable[[str], None], known: bool) -> bool:
         """Whether bends are left to solve."""
-        self._note("Making the page anew." if known else "Bending the fingers that changed.")
-        found = compose(self.params, self.out, workers=self.workers, progress=self._note, known=known,
+        note("Making the page anew." if known else "Bending the fingers that changed.")
+        found = compose(self.params, self.out, workers=self.workers, progress=note, known=known,
                         serial=self.serial + 1)
         self.page, self.folder, self.problems = found.content, home(found.name, self.out), []
         self.serial += 1
@@ -169,6 +181,11 @@ class Server(ThreadingHTTPServer):
             raise InputError([Problem("command line", "--port", port, error.strerror or str(error),
                                       "a free port, or 0 for any")]) from error
         self.names = {f"{host}:{self.server_port}" for host in (HOST, "localhost")}
+
+    def handle_error(self, request, client_address) -> None:
+        """A reader that leaves before the page has gone through is no news for the terminal."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
     @property
     def address(self) -> str:

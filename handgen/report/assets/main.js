@@ -1,15 +1,21 @@
 // Start: controls, lists, theme. `window.handgen` is for scripts: the same functions that the controls call.
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
-  try { localStorage.setItem("handgen-theme", name); } catch { /* a page without storage */ }
 }
 
+// As the reader chose, else as the system is and becomes.
 function openTheme() {
+  const system = matchMedia("(prefers-color-scheme: dark)"), key = "handgen-theme";
+  const ofSystem = () => system.matches ? "dark" : "light";
   let kept = null;
-  try { kept = localStorage.getItem("handgen-theme"); } catch { /* a page without storage */ }
-  setTheme(kept || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
-  element("theme").addEventListener("click", () =>
-    setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+  try { kept = localStorage.getItem(key); } catch { /* a page without storage */ }
+  setTheme(kept || ofSystem());
+  system.addEventListener("change", () => { if (!kept) setTheme(ofSystem()); });
+  element("theme").addEventListener("click", () => {
+    kept = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
+    setTheme(kept);
+    try { localStorage.setItem(key, kept); } catch { /* a page without storage */ }
+  });
 }
 
 function openDownloads() {

@@ -13,10 +13,10 @@ function placeMarkers() {
     const button = document.createElement("button");
     button.type = "button";
     button.className = found.severity;
-    button.textContent = finding + 1;
+    button.textContent = DATA.ranks[finding];
     button.dataset.finding = finding;
     button.title = `${found.rule}, ${found.part}: ${found.message}`;
-    button.setAttribute("aria-label", `Finding ${finding + 1}, ${found.severity}: ${button.title}`);
+    button.setAttribute("aria-label", `Finding ${DATA.ranks[finding]}, ${found.severity}: ${button.title}`);
     button.addEventListener("click", () => choose(finding, false));
     layer.append(button);
     shownMarkers.push({finding, button, at: new THREE.Vector3(...at), apart: node ? node.row.apart : [0, 0, 0]});
@@ -61,7 +61,8 @@ function choose(finding, travel) {
     }
   }
   mark();
-  const item = document.querySelector(`ol.findings li[data-finding="${finding}"]`);
+  const item = document.querySelector(`ol.findings li[data-finding="${finding}"]`), folded = item && item.closest("details");
+  if (folded) folded.open = true;
   if (item && !travel && matchMedia("(min-width: 901px)").matches) item.scrollIntoView({block: "nearest"});
   say(DATA.findings[finding]);
   redraw();

@@ -11,6 +11,13 @@ function moving(row) {
   return made;
 }
 
+// The vertices of a moving part in all its states, one state behind the other.
+const swept = new Map();
+function everyState(row) {
+  if (!swept.has(row)) swept.set(row, points(row.moves));
+  return swept.get(row);
+}
+
 // The two points around a pressure, and how far it is from the first to the second; beyond the last, the last.
 function between(states, value) {
   let after = states.findIndex((state) => state >= value);

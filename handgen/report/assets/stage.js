@@ -75,17 +75,18 @@ function aim(from, up) {
   redraw();
 }
 
-// Everything that is shown into the middle, by its corners as the camera sees them.
+// Everything that is shown into the middle, by its corners as the camera sees them; what moves in all its states.
 function fit() {
   camera.updateMatrixWorld();
   const low = new THREE.Vector2(Infinity, Infinity), high = new THREE.Vector2(-Infinity, -Infinity);
   const corner = new THREE.Vector3(), seen = new THREE.Matrix4();
-  for (const {mesh} of nodes) {
+  for (const {row, mesh} of nodes) {
     if (!mesh.visible) continue;
-    const position = mesh.geometry.attributes.position, stride = Math.ceil(position.count / 2000);
+    const places = row.states && row.states.length ? everyState(row) : mesh.geometry.attributes.position.array;
+    const count = places.length / 3, stride = Math.ceil(count / 2000);
     seen.multiplyMatrices(camera.matrixWorldInverse, mesh.matrix);
-    for (let i = 0; i < position.count; i += stride) {
-      corner.fromBufferAttribute(position, i).applyMatrix4(seen);
+    for (let i = 0; i < count; i += stride) {
+      corner.fromArray(places, 3 * i).applyMatrix4(seen);
       low.min(corner);
       high.max(corner);
     }
