@@ -256,6 +256,12 @@ def test_killed_worker_names_its_part_and_the_others_go_on(tmp_path):
     assert "exoskeleton/index" in str(error) and "signal 6" in str(error)
 
 
+def test_an_interrupt_at_the_terminal_is_not_the_workers(tmp_path):
+    """It goes to the whole group of the terminal's command; the command ends its workers itself."""
+    [(_, group)] = _results(tmp_path, [("its group", os.getpgrp, ())])
+    assert group != os.getpgrp()
+
+
 def test_worker_brings_errors_home(tmp_path):
     (_, refused), (_, failed), (_, missing) = _results(
         tmp_path, [("plug", _refuse, ()), ("collar", divmod, (1, 0)), ("hand", _without_library, ())])

@@ -27,7 +27,7 @@ Job = tuple[str, Callable[..., Any], tuple]
 """(name for people, importable function, its arguments)."""
 
 START = ("import sys; sys.path[:] = {path!r}; "
-         "from handgen.builder.pool import serve; serve({descriptor}, {kernels})")
+         "from handgen.builder.pool import serve; serve({descriptor}, {kernels}, {parent})")
 MEMORY_PER_WORKER = 0.75e9
 """Bytes: a worker with its kernels loaded and a hand in the making."""
 
@@ -86,10 +86,12 @@ class Workers:
 
     def _start(self) -> Connection:
         ours, theirs = Pipe()
-        code = START.format(path=sys.path, descriptor=theirs.fileno(), kernels=self.kernels)
+        code = START.format(path=sys.path, descriptor=theirs.fileno(), kernels=self.kernels,
+                            parent=os.getpid())
+        # In a group of its own: an interrupt at the terminal is the caller's, who then ends its workers.
         self.processes[ours] = subprocess.Popen(
             [sys.executable, "-c", code], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            pass_fds=(theirs.fileno(), self.lock))
+            pass_fds=(theirs.fileno(), self.lock), process_group=0)
         theirs.close()
         return ours
 
@@ -133,9 +135,9 @@ def _available_memory() -> float:
         return 2e9
 
 
-def serve(descriptor: int, kernels: tuple[str, ...]) -> None:
+def serve(descriptor: int, kernels: tuple[str, ...], parent: int) -> None:
     """A worker's life: load `kernels`, take a job, do it, answer; ends with the pipe or with its parent."""
-    _die_with_parent()
+    _die_with(parent)
     # A kernel that cannot be loaded is reported by the first job that needs it.
     with contextlib.suppress(ImportError):
         for kernel in kernels:
@@ -144,9 +146,9 @@ def serve(descriptor: int, kernels: tuple[str, ...]) -> None:
     while True:
         try:
             _, function, arguments = pipe.recv()
-        except EOFError:
+            pipe.send(_answer(function, arguments))
+        except (EOFError, BrokenPipeError):
             return
-        pipe.send(_answer(function, arguments))
         _give_back()
 
 
@@ -172,9 +174,11 @@ def _answer(function: Callable, arguments: tuple) -> tuple[str, Any]:
         return "engine", "unexpected failure\n" + traceback.format_exc()
 
 
-def _die_with_parent() -> None:
+def _die_with(parent: int) -> None:
     """A killed build takes its workers with it (Linux; elsewhere they end with their job)."""
     if sys.platform == "linux":
         import signal
 
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it went before the signal was asked for
+            sys.exit()

@@ -29,6 +29,8 @@ HOST = "127.0.0.1"
 PORT = 8765
 EVERY = 0.4
 """Seconds between looks at the files."""
+GRACE = 1.0
+"""Seconds for the page in the making to be done; then it is dropped."""
 LONGEST_CHAIN = 16
 OURS = "this is a mistake in handgen itself; please report it: "
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'"
@@ -210,3 +212,4 @@ def view(params: str | os.PathLike, out: str | os.PathLike | None = None, port: 
         with contextlib.suppress(KeyboardInterrupt):
             server.serve_forever()
         ended.set()
+        follower.join(GRACE)
