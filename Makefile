@@ -50,12 +50,14 @@ calibrate: $(READY)  ## fit params/models/calibrated.yaml anew (minutes)
 profiles: $(READY)  ## write slicer_profiles/ anew from params/adult.yaml (needs Cura's definitions)
 	$(BIN)/handgen profiles params/adult.yaml
 
-pictures: hand  ## renew the README's pictures: build, check and bend the shipped hands
+pictures: hand  ## renew the README's pictures: build, check, bend and report the shipped hands (needs Chromium)
 	cp $(foreach p,hand_palm hand_dorsum hand_side actuators tooling_index,outputs/adult/previews/$(p).png) docs/
 	-$(BIN)/handgen check params/thesis_hand.yaml --quiet  # it fails, as it should
 	cp outputs/thesis_hand/checks/previews/*_thumb.palm-stiffness_*.png docs/finding.png
 	$(BIN)/handgen bend params/adult.yaml --quiet
 	cp outputs/adult/bend/index_assembly/curl.png docs/
+	$(BIN)/handgen report params/adult.yaml --quiet
+	$(BIN)/python -m tests.report_picture outputs/adult/report.html docs/report.png
 
 clean:  ## remove .venv and caches; outputs/ stays
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis .import_linter_cache *.egg-info
