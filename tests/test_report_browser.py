@@ -2,15 +2,16 @@
 
 import io
 import json
+import threading
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from handgen.report import bends
+from handgen.report import bends, view
 from tests import small_report
 from tests.browser import chromium, opened
-from tests.small_report import FINGER
+from tests.small_report import FINGER, PRESSURES
 
 DESK, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
 SEEN = 40
@@ -227,3 +228,96 @@ def test_everything_can_be_named_by_a_screen_reader(desk):
         || each.textContent.trim() || (each.labels && each.labels.length) || each.hidden)
     ).map((each) => each.outerHTML)""")
     assert unnamed == []
+
+
+def test_findings_are_numbered_worst_first_in_list_and_view_alike(desk):
+    """Planted: warning, info, warning, warning."""
+    numbers = [desk.locator(f"ol.findings li[data-finding='{n}'] .number").text_content() for n in range(4)]
+    assert numbers == ["1", "4", "2", "3"]
+    assert [desk.locator(f"#markers button[data-finding='{n}']").text_content() for n in (0, 1)] == ["1", "4"]
+
+
+def test_choosing_a_marker_unfolds_its_words(desk):
+    item = desk.locator("ol.findings li[data-finding='1']")
+    assert not item.is_visible()
+    desk.locator("#markers button[data-finding='1']").dispatch_event("click")
+    assert item.is_visible()
+
+
+def test_the_bent_hand_stays_in_the_frame_at_every_pressure(desk):
+    desk.evaluate("handgen.showScene('bend')")
+    for value in PRESSURES:
+        desk.locator("#pressure").fill(str(value))
+        covered = silhouette(desk)
+        assert covered.any()
+        assert not (covered[0].any() or covered[-1].any() or covered[:, 0].any() or covered[:, -1].any())
+
+
+def test_keyboard_alone_reaches_and_moves_everything(desk):
+    focus = "document.activeElement.id || document.activeElement.textContent.trim()"
+
+    def tab_to(name):
+        for _ in range(40):
+            desk.keyboard.press("Tab")
+            if desk.evaluate(focus) == name:
+                return
+        raise AssertionError(f"no way to {name}")
+
+    desk.keyboard.press("Tab")
+    assert desk.evaluate(focus) == "Skip the 3D view"
+    tab_to("stage")
+    before = camera(desk)
+    desk.keyboard.press("ArrowUp")
+    assert camera(desk) != before
+    tab_to("explode")
+    desk.keyboard.press("End")
+    assert desk.locator("#explode-value").text_content() == "100 %"
+    tab_to("Parts")
+    desk.keyboard.press("Enter")
+    desk.keyboard.press("Tab")
+    desk.keyboard.press("Tab")  # "none"
+    desk.keyboard.press("Enter")
+    assert not silhouette(desk).any()
+    desk.keyboard.press("Tab")
+    desk.keyboard.press("Space")
+    assert silhouette(desk).any()
+    assert desk.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
+
+
+def test_theme_follows_the_system_until_the_reader_chooses(desk):
+    theme = "document.documentElement.dataset.theme"
+    for scheme in ("dark", "light", "dark"):
+        desk.emulate_media(color_scheme=scheme)
+        settle(desk)
+        assert desk.evaluate(theme) == scheme
+    desk.locator("#theme").click()
+    assert desk.evaluate(theme) == "light"
+    desk.emulate_media(color_scheme="light")
+    settle(desk)
+    desk.emulate_media(color_scheme="dark")
+    settle(desk)
+    assert desk.evaluate(theme) == "light"
+
+
+def test_a_served_page_shows_errors_and_takes_up_the_next(browser, survey, bent, tmp_path):
+    """The page asks nobody but its server; scene and side stay over the renewal."""
+    maker = view.Maker(tmp_path / "hand.yaml", tmp_path)
+    maker.serial, maker.page = 1, small_report.written(survey, bent, tmp_path, 1).encode()
+    with view.Server(maker, 0) as server:
+        threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True).start()
+        page, asked, complaints = opened(browser, server.address, offline=False, viewport=DESK)
+        page.evaluate("handgen.showScene('bend'); handgen.setPressure(15); handgen.look('side')")
+        side = page.evaluate("handgen.camera.up.toArray()")
+        maker.problems = ["hand.yaml: fingers.index.<b>: unknown key"]
+        page.get_by_text("hand.yaml: fingers.index.<b>: unknown key").wait_for()
+        assert silhouette(page).any()
+        maker.problems, maker.serial = [], 2
+        maker.page = maker.page.replace(b'data-serial="1"', b'data-serial="2"')
+        page.locator("html[data-serial='2']").wait_for()
+        page.locator("#readout:has-text('15 kPa')").wait_for()
+        assert page.locator("#news").is_hidden()
+        assert page.evaluate("handgen.camera.up.toArray()") == pytest.approx(side, abs=1e-9)
+        server.shutdown()
+    page.context.close()
+    assert complaints == []
+    assert {url.removeprefix(server.address) for url in asked} == {"", "state"}

@@ -22,7 +22,7 @@ def downloads(survey: Survey, bent: Mapping[str, Bend], dimensions: Iterable[Dim
               ) -> dict[str, dict[str, str]]:
     """Key -> {"name", "type", "text", "words"}."""
     loaded, name = survey.loaded, survey.loaded.hand.name
-    resolved = loaded.hand.model_dump(mode="json", exclude_none=True)
+    resolved = loaded.hand.model_dump(mode="json", by_alias=True, exclude_none=True)
     found = {
         "file": _file(loaded.file.name, YAML, loaded.file.read_text(encoding="utf-8"), "the parameter file"),
         "resolved": _file(f"{name}_resolved.yaml", YAML, yaml.safe_dump(resolved, sort_keys=False),
