@@ -203,9 +203,8 @@ class Judge:
 
             def gap(p, b=b, kinds=kinds, seen=seen):
                 at = seen(p)
-                rim = np.clip(np.maximum(low[b] + contact.RIM - at[:, 0], at[:, 0] - high[b] + contact.RIM),
-                              0, None)
-                bore = finger.bore(at[:, 0]) + rim**2 / (2 * contact.RIM)
+                rims = np.stack([low[b] + contact.RIM - at[:, 0], at[:, 0] - high[b] + contact.RIM])
+                bore = finger.bore(at[:, 0]) + (np.clip(rims, 0, None) ** 2).sum(axis=0) / (2 * contact.RIM)
                 radial = bore - np.hypot(at[:, 1], at[:, 2]) / s.actuator.swell
                 return np.where(kinds == contact.FACE, high[b] - at[:, 0], radial)
 
