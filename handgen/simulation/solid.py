@@ -54,7 +54,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
                 reached = max(reached, target.tip if case.part == "exoskeleton" else target.pressure)
                 say(f"{_amount(case, target)}: tip {states[-1].tip_drop:.1f} mm below the palm")
                 continue
-            stopped = f"no stable state was found beyond {_amount(case, point.load)}"
+            stopped = _why(case, point.load, solver.ran_away)
         states.append(State(target.pressure, target.tip, False, note=stopped))
     return Curve(tuple(states), system.grids, reached, tuple(solver.folds), system.size,
                  solver.cost.factorisations, time.perf_counter() - begun, stopped)
@@ -73,6 +73,14 @@ def _compiled() -> bool:
 
     folder = Path(element.assemble.stats.cache_path)
     return any(folder.glob("element.assemble-*.nbc"))
+
+
+def _why(case: Case, load, wall) -> str:
+    """Why a curve ends at `load`."""
+    if wall is None:
+        return f"no stable state was found beyond {_amount(case, load)}"
+    return (f"the actuator balloons beyond {_amount(case, load)} {wall.where(case.finger)}: its wall"
+            f" stretches {wall.stretch:.1f} times and more before it finds a stable state")
 
 
 def _note(point) -> str:

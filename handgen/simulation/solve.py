@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from handgen.simulation import runaway
 from handgen.simulation.contact import SOFT
 from handgen.simulation.sparse import factoriser
 from handgen.simulation.system import Load, System
@@ -51,10 +52,9 @@ AFTER = 0.5
 """First step after that, as a share of the very first."""
 DRAG = 1.0
 """N/mm on an element's share of mass, at first, when a fold is followed in artificial time."""
-CALM, LIGHT = 0.1, 10.0 * DRAG
-"""Drag over the largest acting force below which the finger is let go: at once, in case the state was only
-hard to find, and again when the drag has become light."""
-RELAXATIONS = 40
+CALM = 0.1
+"""Largest force that the drag holds, over the largest acting one, at which the finger is let go."""
+RELAXATIONS = 120
 """Steps of artificial time at most."""
 
 
@@ -88,7 +88,8 @@ class Solver:
         self.matrix = factoriser(system.pattern, factoriser_name)
         self.cost = Cost()
         self.folds: list[float] = []
-        self.stopped = ""
+        self.ran_away: runaway.Wall | None = None
+        """The wall that gave way, where one did."""
         self._steps = list(STEPS.parts)
         self._slope: tuple[np.ndarray, float, tuple[float, ...]] | None = None
         self._stands: np.ndarray | None = None
@@ -216,9 +217,14 @@ class Solver:
         return None
 
     def _relaxed(self, q: np.ndarray, load: Load) -> Point | None:
-        """The stable state that a drag, let go little by little, leads to from `q`."""
+        """The stable state that a drag, let go little by little, leads to from `q`.
+
+        Friction's bonds follow every step of artificial time. Past a limit point the finger lingers, nearly
+        in balance, before it runs: it is let go each time that what the drag holds has fallen to a tenth. A
+        wall that gives way ends it (`handgen.simulation.runaway`); `ran_away` keeps it.
+        """
         s = self.system
-        centre, strength, untried = q, DRAG, True
+        centre, strength, calm = q, DRAG, CALM
         for _ in range(RELAXATIONS):
             s.assemble(centre, load, exact=True)
             s.extrapolate(centre, np.zeros_like(centre))
@@ -230,11 +236,17 @@ class Solver:
                 continue
             dragged = float(np.abs(strength * s.inertia * (found[0] - centre)).max() / self._acting(load))
             centre = found[0]
-            if dragged < CALM and (untried or strength <= LIGHT):
-                untried = False
+            s.accept(centre)
+            wall = runaway.weakest(s, centre)
+            if wall.runs_away:
+                self.ran_away = wall
+                return None
+            calm = max(calm, min(CALM, dragged / 10))
+            if dragged < calm:
                 free = self._newton(centre, load)
                 if free is not None:
                     return Point(load, free[0], free[1])
+                calm = dragged / 10
             strength *= 0.4 if found[2] <= EASY else 0.8
         return None
 
