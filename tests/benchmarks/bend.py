@@ -1,26 +1,26 @@
 """How long a bend takes, and what mesh, friction and factoriser do to it: `python -m tests.benchmarks.bend`.
 
-`... bend [what ...]`, of: times, mesh, friction, factorisers, random, first. Prints markdown tables. `first`
-is the first call ever, which compiles; `random` bends 300 random valid fingers to 60 kPa (`random:50`: fewer)
-in one process for each core, a thread each, and takes about an hour; it is left out unless named.
+`... bend [what ...]`, of: times, mesh, friction, factorisers, first, random, anything. Prints markdown.
+`first` is the first call ever, which compiles. `random` bends 300 random valid fingers to 60 kPa, `anything`
+as many of any file that loads (`tests.random_fingers`): `random:50:2` 50 of them, in two processes. Both take
+most of an hour, go on where they were cut off, and are left out unless named.
 """
 
 from __future__ import annotations
 
 import os
-import random
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 
 from handgen.bending import request
 from handgen.simulation import solid
 from handgen.simulation.case import Case, Contact
+from tests.benchmarks import random_fingers
 
 PARAMS = Path(__file__).parents[2] / "params"
 ROUNDS = 5
@@ -38,8 +38,6 @@ CASES = {
     "bare exoskeleton, six weights": (3.0, dict(part="exoskeleton", tip_loads=WEIGHTS)),
 }
 """What is timed: the seconds that it may take, and the arguments of the bend."""
-TARGET = 0.060
-"""MPa, that a random finger should reach."""
 
 
 def case_of(params: str = "adult", **arguments) -> Case:
@@ -120,69 +118,21 @@ def first() -> None:
         print(f"first call ever, compilation and process included: {time.perf_counter() - start:.1f} s")
 
 
-def random_cases(count: int) -> list[tuple[str, Case | str]]:
-    """(finger, case, or why it is refused) of `count` random files, one finger of each."""
-    from hypothesis import Phase, given, settings
-
-    from handgen.errors import InputError
-    from tests import strategies
-
-    drawn, pick = [], random.Random(0)
-
-    @settings(max_examples=count, phases=[Phase.generate])
-    @given(strategies.files(fingers_only=True))
-    def draw(data):
-        drawn.append(data)
-
-    draw()
-    found = []
-    with tempfile.TemporaryDirectory() as folder:
-        for data in drawn:
-            finger = pick.choice(list(data["fingers"]))
-            try:
-                asked = request(strategies.write(data, folder), finger=finger, pressures="0:60:10")
-                found.append((finger, asked.case))
-            except InputError as error:
-                found.append((finger, str(error)))
-    return found
+def named(count: int = 300, processes: int = 1) -> None:
+    random_fingers.study("named", count, processes)
 
 
-def judged(numbered):
-    """What became of one random finger: (number, its curve, largest force out of balance, judged anew)."""
-    from tests.independent_balance import Judge
-
-    number, case = numbered
-    curve = solid.simulate(case)
-    last = next((s for s in reversed(curve.states) if s.converged), None)
-    off = Judge(case).judge(last.positions, last.pressure).unbalanced if last else 0.0
-    return number, replace(curve, states=(), grids={}), off
-
-
-def random_fingers(count: int = 300) -> None:
-    os.environ[solid.THREADS] = "1"
-    cases = random_cases(count)
-    bent = [(i, case) for i, (_, case) in enumerate(cases) if not isinstance(case, str)]
-    curves, off = [], []
-    with get_context("spawn").Pool(os.cpu_count()) as pool:
-        for number, curve, unbalanced in pool.imap_unordered(judged, bent):
-            curves.append(curve)
-            off.append(unbalanced)
-            if curve.stopped:
-                print(f"finger {number}: reached {1e3 * curve.reached:.0f} kPa in {curve.wall:.1f} s;"
-                      f" {curve.stopped}", flush=True)
-    there, seconds = sum(not c.stopped for c in curves), [c.wall for c in curves]
-    print(f"\n{there} of {len(curves)} reach {1e3 * TARGET:.0f} kPa, {count - len(bent)} more are refused by"
-          f" name; {sum(bool(c.folds) for c in curves)} fold on the way. The median takes"
-          f" {statistics.median(seconds):.1f} s, the slowest {max(seconds) / statistics.median(seconds):.1f}"
-          f" times that. Judged anew, at most {max(off):.1e} of the largest acting force is out of balance.")
+def anything(count: int = 300, processes: int = 1) -> None:
+    random_fingers.study("anything", count, processes)
 
 
 TABLES = {"times": times, "mesh": mesh, "friction": friction, "factorisers": factorisers, "first": first,
-          "random": random_fingers}
+          "random": named, "anything": anything}
+UNASKED = "random", "anything"
 
 if __name__ == "__main__":
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}\n")
-    for wanted in sys.argv[1:] or [name for name in TABLES if name != "random"]:
-        name, _, number = wanted.partition(":")
+    for wanted in sys.argv[1:] or [name for name in TABLES if name not in UNASKED]:
+        name, *numbers = wanted.split(":")
         print(f"\n## {name}\n")
-        TABLES[name](*([int(number)] if number else []))
+        TABLES[name](*map(int, numbers))
