@@ -22,8 +22,8 @@ $(READY): pyproject.toml constraints.txt
 hand: $(READY)  ## build params/adult.yaml into outputs/adult/
 	$(BIN)/handgen build params/adult.yaml
 
-test: $(READY)  ## run the tests
-	$(BIN)/python -m pytest
+test: $(READY)  ## run the tests, two files at a time
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-slow: $(READY)  ## run the long studies (hundreds of random hands, kills at random moments)
 	$(BIN)/python -m pytest -m slow
