@@ -265,9 +265,10 @@ def _diagnose(arguments: argparse.Namespace, output: Output) -> int:
 
     from handgen.discrepancy import files, run
 
+    folder = Path(arguments.out or Path("outputs") / Path(arguments.measurements).stem)
+    files.expect(folder)
     found = run.diagnose(arguments.measurements, params=arguments.params, model=arguments.model,
                          seed=arguments.seed, workers=arguments.workers, progress=output.note)
-    folder = Path(arguments.out or Path("outputs") / Path(arguments.measurements).stem)
     document = files.write(found, folder)
     output.result(document, tables.diagnosed(document, str(folder), output.style))
     return PASSED if document["verdict"] == "none" else FAILED

@@ -79,7 +79,10 @@ def test_the_folder_holds_a_model_that_bends_and_a_page_that_stands_alone(tmp_pa
     assert "own_weight.share" in " ".join(model.assumed)
     assert json.loads((tmp_path / "out" / "diagnosis.json").read_text()) == found
     page = (tmp_path / "out" / "diagnosis.html").read_text()
-    assert found["effects"][0]["sentence"] in page and page.count("<svg") == 3
+    assert found["effects"][0]["sentence"] in page and page.count("<svg") == len(found["curves"]) == 3
+    for heading in ("loads that it was fitted to", "loads that were left out"):
+        assert heading in page
+    assert page.count("re-tuned only</span>") == 6 and "own weight and something unknown" in page
     assert "prefers-color-scheme: dark" in page and "http" not in page.replace("http://www.w3.org/", "")
     assert "<script" not in page and "src=" not in page
     measured = load_measurements(tmp_path / "lab.yaml")
@@ -131,3 +134,12 @@ def test_all_held_out_and_unknown_models_are_bad_input(tmp_path, capsys):
     assert main(["diagnose", str(measurements), "--model", "thesys", "--out", str(tmp_path / "out")]) == 2
     assert "thesis" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_solved(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(worker, "solve", lambda asked: pytest.fail("solved"))
+    files = campaign(tmp_path, 1.0)
+    (tmp_path / "out").write_text("a file")
+    code, found = diagnose(capsys, *files, tmp_path / "out" / "mine")
+    (error,) = found["errors"]
+    assert code == 2 and error["path"] == "--out" and "is no folder" in error["message"]

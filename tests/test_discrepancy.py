@@ -307,8 +307,49 @@ def test_location_finds_a_last_point_that_leaves_the_line():
     found = {one.test: one for one in locate(lib, readings(lib, world))}
     size, sigmas = found["free"].last
     assert size == pytest.approx(-3.0, abs=1.0) and sigmas < -3
-    assert any("last point" in words for words in found["free"].words)
+    assert any(words.startswith("at 50 -3") for words in found["free"].words)
     assert not found["weights"].beyond
+
+
+def test_a_residual_that_bends_all_along_is_no_event_at_the_last_load():
+    lib = library()
+    points = lib.points("finger")
+    world = lib.baseline.copy()
+    world[points] -= 8 * (lib.loads[points] / 60) ** 2
+    found = {one.test: one for one in locate(lib, readings(lib, world))}["finger"]
+    assert found.beyond and abs(found.last[1]) < 3
+
+
+def test_an_effect_known_to_be_missing_is_named_though_more_may_be_missing():
+    """A surprise at the first load: without the check it is something unknown, with it beside the sag."""
+    lib = library(structural=1.5)
+    world = truth(lib, sag=0.6)
+    world[lib.points("finger")[0]] -= 5.0
+    seen = readings(lib, world)
+    assert verdict(score(lib, seen)).word != "named"
+    found = score(replace(lib, known={"sag": 0.99}), seen)
+    said = verdict(found)
+    assert (said.word, said.effects, said.known) == ("named", ("sag",), ("sag",))
+    assert sum(h.probability for h in found.hypotheses) == pytest.approx(1.0)
+    assert found["sag+outside"].probability > found["outside"].probability
+
+
+def test_what_else_is_missing_is_as_probable_as_ever_beside_what_is_known():
+    """Prior shares by the evidence taken out: those of none, single and outside, on both sides of the sag."""
+    lib = replace(library(), known={"sag": 0.99})
+    found = score(lib, readings(lib, truth(lib, sag=1.0)))
+    prior = {h.id: np.log(h.probability) - h.log_evidence for h in found.hypotheses if h.probability > 0}
+    assert prior["sag"] - prior["none"] == pytest.approx(np.log(99.0))
+    assert prior["sag+outside"] - prior["outside"] == pytest.approx(np.log(99.0))
+    assert prior["sag+outside"] - prior["sag"] == pytest.approx(prior["outside"] - prior["none"])
+    assert prior["curl+sag" if "curl+sag" in prior else "sag+curl"] - prior["sag"] == pytest.approx(
+        prior["curl"] - prior["none"])
+
+
+def test_readings_that_deny_what_is_known_are_believed():
+    lib = replace(library(), known={"sag": 0.99})
+    said = verdict(score(lib, readings(lib, lib.baseline)))
+    assert (said.word, said.known) == ("none", ())
 
 
 def test_location_finds_drift_and_hysteresis():

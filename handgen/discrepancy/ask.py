@@ -50,7 +50,7 @@ def proposal(scores: Scores, test: str, sigmas: Mapping[str, float]) -> Proposal
     """What `test` would tell."""
     problem, library = scores.problem, scores.problem.library
     points = library.points(test)
-    asked = [h for h in scores.hypotheses if h.probability >= LIKELY and h.id != OUTSIDE]
+    asked = [h for h in scores.hypotheses if h.probability >= LIKELY and h.id.split("+")[-1] != OUTSIDE]
     there = np.isfinite(np.array([library.baseline, *(h.centre for h in asked)])).all(axis=0)
     points = points[there[points]]
     series = next(one for one in library.tests if one.id == test)

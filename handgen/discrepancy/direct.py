@@ -20,6 +20,8 @@ OFF = 1.25
 """Ratio of a law's stress and the bulletin's from which it is flagged: batches scatter by 10 to 20 %."""
 LIGHT = 0.05
 """Share of a weighed mass that a model may be off."""
+POSED = 0.99
+"""Probability that a part hung as its test says: own weight acts on all that nothing carries."""
 USED = 1.5
 """Nominal strain up to which a law must be a possible material."""
 HANGING = ("palm_down", "palm_up")
@@ -38,6 +40,8 @@ class Finding:
     effect: str | None
     """Effect of the catalogue that it points to."""
     message: str
+    probability: float | None = None
+    """That the effect is missing, where the check itself shows it; None: the check only points to it."""
 
     def __str__(self) -> str:
         return f"{self.check}: {self.effect or self.subject}: {self.message}"
@@ -64,7 +68,7 @@ def _weightless(model: BendModel, measurements: Measurements) -> Iterator[Findin
             yield Finding("weight", part, "own_weight", (
                 f"{model.name} lets {100 * share:.0f} % of the {part}'s own weight act; nothing carried it "
                 f"in "
-                + ", ".join(tests)))
+                + ", ".join(tests)), POSED)
 
 
 def _of_set(material: str, choice: Choice) -> Iterator[Finding]:
@@ -154,7 +158,8 @@ def _log(value: float, reading: Reading) -> float:
 
 def _said(reading: Reading) -> str:
     what = "as modulus" if reading.strain == 0.0 else f"at {100 * reading.strain:.0f} % strain"
-    return f"{1e3 * reading.megapascals:.1f} kPa {what}"
+    stress = reading.megapascals
+    return f"{stress:.3g} MPa {what}" if stress >= 1.0 else f"{1e3 * stress:.1f} kPa {what}"
 
 
 def _mass(weighed: Weighed, material: str, choice: Choice) -> Iterator[Finding]:

@@ -14,7 +14,8 @@ from handgen.discrepancy.run import Diagnosis
 from handgen.effects import catalogue
 
 SCHEMA = "handgen.diagnosis/1"
-DECIMALS = 4
+BESIDE = 0.3
+"""Probability from which it is said that more may be missing than what is named."""
 
 
 def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
@@ -59,7 +60,7 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
                     unit,
                 )
             ),
-            "tests": [_test_gap(one) for one in gaps(problem, before, retuned, patched)] + _held_out(found),
+            "tests": _test_gaps(found),
         },
         "next_test": _next(found),
         "model": model_file,
@@ -67,7 +68,7 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
         "retuned": _nuisances(found, retuned),
         "patched": _nuisances(found, patched),
         "checks": [asdict(one) for one in found.findings],
-        "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found)],
+        "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found), *_beside(found)],
         "curves": _curves(found),
         "bends_solved": found.solved,
         "handgen_version": __version__,
@@ -152,6 +153,14 @@ def _located(one) -> dict[str, Any]:
     }
 
 
+def _test_gaps(found: Diagnosis) -> list[dict[str, Any]]:
+    """Of every test, those last that nothing was fitted on."""
+    before = found.scores.problem.library.baseline
+    rows = [_test_gap(one) for one in gaps(found.scores.problem, before, found.retuned, found.patched)]
+    titles = {test.id: test.title or test.id for test in (*found.tests, *found.held_out)}
+    return [{"title": titles[row["test"]], **row} for row in rows + _held_out(found)]
+
+
 def _test_gap(one) -> dict[str, Any]:
     return {
         "test": one.test,
@@ -222,6 +231,19 @@ def _vetoed(found: Diagnosis) -> list[str]:
     ]
 
 
+def _beside(found: Diagnosis) -> list[str]:
+    """Beside an effect that is known to be missing, what else the readings ask for."""
+    if found.verdict.word != "named":
+        return []
+    (name,) = found.verdict.effects
+    more = {h.id: h.probability for h in found.scores.hypotheses if name in h.ids and h.id != name}
+    if sum(more.values()) < BESIDE:
+        return []
+    first = max(more, key=more.get)
+    return [f"beside {name} something more may be missing ({100 * sum(more.values()):.0f} %), most likely "
+            f"{first} ({100 * more[first]:.0f} %): no longer to be told from these readings"]
+
+
 def _curves(found: Diagnosis) -> list[dict[str, Any]]:
     """Readings and the three predictions, load by load."""
     problem = found.scores.problem
@@ -234,6 +256,7 @@ def _curves(found: Diagnosis) -> list[dict[str, Any]]:
             {
                 "test": test.id,
                 "title": test.title or test.id,
+                "note": test.note,
                 "loads": test.load.values,
                 "load_unit": test.load.unit,
                 "load": test.load.quantity,

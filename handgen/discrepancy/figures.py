@@ -21,8 +21,8 @@ READINGS = {
     "tip_force": "fingertip force",
 }
 LOADS = {"pressure": "pressure", "tip_load": "weight on the tip"}
-MOST = 8
-"""Explanations that are drawn."""
+MOST, LEAST = 8, 1e-3
+"""Explanations that are drawn: so many, each at least so probable."""
 
 
 def overview(document: dict[str, Any], colours: dict[str, str]):
@@ -30,10 +30,9 @@ def overview(document: dict[str, Any], colours: dict[str, str]):
     curves = document["curves"]
     figure = _figure(3.9 * len(curves), 5.6)
     axes = figure.subplots(2, len(curves), squeeze=False, sharex="col", height_ratios=(3, 2))
-    shown = _shown(document)
     for i, curve in enumerate(curves):
-        _curve(axes[0][i], curve, shown, colours)
-        _residuals(axes[1][i], curve, shown, colours)
+        _curve(axes[0][i], curve, shown(document), colours)
+        _residuals(axes[1][i], curve, shown(document), colours)
     handles, labels = axes[0][0].get_legend_handles_labels()
     figure.legend(
         handles,
@@ -47,16 +46,25 @@ def overview(document: dict[str, Any], colours: dict[str, str]):
     return figure
 
 
+def panel(document: dict[str, Any], curve: dict[str, Any], colours: dict[str, str]):
+    """One test of `overview`, as wide as a telephone."""
+    figure = _figure(3.7, 4.6)
+    axes = figure.subplots(2, 1, sharex="col", height_ratios=(3, 2))
+    _curve(axes[0], curve, shown(document), colours)
+    _residuals(axes[1], curve, shown(document), colours)
+    return figure
+
+
 def probabilities(document: dict[str, Any], colours: dict[str, str], names: dict[str, str]):
     """What explains the data, the most probable first."""
-    shown = [c for c in document["candidates"] if c["probability"] >= 1e-3][:MOST]
+    shown = likely(document)
     figure = _figure(7.2, 0.7 + 0.36 * len(shown))
     axis = figure.subplots()
     bars = axis.barh(
         range(len(shown)), [c["probability"] for c in shown], color=colours["patched"], height=0.62
     )
     axis.bar_label(
-        bars, [_percent(c["probability"]) for c in shown], padding=4, color=colours["ink"], fontsize=9
+        bars, [percent(c["probability"]) for c in shown], padding=4, color=colours["ink"], fontsize=9
     )
     axis.set_yticks(range(len(shown)), [names.get(c["id"], c["id"]) for c in shown])
     axis.invert_yaxis()
@@ -66,16 +74,21 @@ def probabilities(document: dict[str, Any], colours: dict[str, str], names: dict
     return figure
 
 
+def likely(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """The explanations to draw."""
+    return [c for c in document["candidates"] if c["probability"] >= LEAST][:MOST]
+
+
 def gap_bars(document: dict[str, Any], colours: dict[str, str]):
     """RMS error of the models at loads that the fit had not seen, a panel a test."""
     tests = [t for t in document["gap"]["tests"] if any(v is not None for v in t["held_out"].values())]
-    shown = _shown(document)
+    states = shown(document)
     figure = _figure(2.9 * max(len(tests), 1), 3.0)
     axes = figure.subplots(1, max(len(tests), 1), squeeze=False)[0]
     for axis, test in zip(axes, tests, strict=False):
-        values = [test["held_out"][state] for state in shown]
+        values = [test["held_out"][state] for state in states]
         bars = axis.bar(
-            range(len(shown)), [v or 0.0 for v in values], color=[colours[s] for s in shown], width=0.66
+            range(len(states)), [v or 0.0 for v in values], color=[colours[s] for s in states], width=0.66
         )
         axis.bar_label(
             bars,
@@ -84,7 +97,7 @@ def gap_bars(document: dict[str, Any], colours: dict[str, str]):
             fontsize=9,
             padding=2,
         )
-        axis.set_xticks(range(len(shown)), [SHORT[state] for state in shown], fontsize=8.5)
+        axis.set_xticks(range(len(states)), [SHORT[state] for state in states], fontsize=8.5)
         axis.set_title(
             test["test"] + ("\n(never fitted)" if test["held_out_test"] else ""),
             fontsize=9.5,
@@ -119,13 +132,13 @@ def svg(figure) -> str:
     return re.sub(r' (width|height)="[^"]*"', "", head) + ' role="img">' + rest
 
 
-def _shown(document: dict[str, Any]) -> list[str]:
+def shown(document: dict[str, Any]) -> list[str]:
     """The models to draw: without an effect the patched one is the re-tuned one."""
     return list(STATES) if document["patch"] else ["before", "retuned"]
 
 
-def _curve(axis, curve: dict[str, Any], shown: list[str], colours: dict[str, str]) -> None:
-    for state in shown:
+def _curve(axis, curve: dict[str, Any], states: list[str], colours: dict[str, str]) -> None:
+    for state in states:
         axis.plot(
             *_pairs(curve["loads"], curve[state]),
             color=colours[state],
@@ -147,7 +160,7 @@ def _curve(axis, curve: dict[str, Any], shown: list[str], colours: dict[str, str
     _plain(axis, colours)
 
 
-def _residuals(axis, curve: dict[str, Any], shown: list[str], colours: dict[str, str]) -> None:
+def _residuals(axis, curve: dict[str, Any], states: list[str], colours: dict[str, str]) -> None:
     """Simulated less measured; the band is what two deviations of the repeats allow."""
     loads = curve["loads"]
     means = [[r for r in column if r is not None] for column in zip(*curve["repeats"], strict=True)]
@@ -156,7 +169,7 @@ def _residuals(axis, curve: dict[str, Any], shown: list[str], colours: dict[str,
     if band:
         x, s = zip(*band, strict=True)
         axis.fill_between(x, [-2 * v for v in s], [2 * v for v in s], color=colours["grid"], linewidth=0)
-    for state in shown:
+    for state in states:
         off = [None if v is None or m is None else v - m for v, m in zip(curve[state], means, strict=True)]
         axis.plot(
             *_pairs(loads, off),
@@ -187,7 +200,7 @@ def _pairs(loads: list[float], values: list[float | None]) -> tuple[list[float],
     return [load for load, _ in there], [value for _, value in there]
 
 
-def _percent(share: float) -> str:
+def percent(share: float) -> str:
     return f"{100 * share:.1f} %" if share < 0.999 else "above 99.9 %"
 
 

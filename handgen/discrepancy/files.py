@@ -12,8 +12,21 @@ from handgen.discrepancy.document import document
 from handgen.discrepancy.page import page
 from handgen.discrepancy.run import Diagnosis
 from handgen.effects import catalogue
+from handgen.errors import InputError, Problem
 
 JSON, PAGE, MODEL = "diagnosis.json", "diagnosis.html", "model.yaml"
+
+
+def expect(folder: Path) -> None:
+    """See that `folder` can be written to: nobody simulates for minutes to hear at the end that it cannot.
+
+    Raises:
+        InputError: it cannot.
+    """
+    there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        why = "cannot be written to" if there.is_dir() else "is no folder"
+        raise InputError([Problem("command line", "--out", str(folder), f"{there} {why}", "another folder")])
 
 
 def write(found: Diagnosis, folder: Path) -> dict[str, Any]:
@@ -47,8 +60,9 @@ def titles(data: dict[str, Any]) -> dict[str, str]:
     found = {"none": "nothing missing", "outside": "something unknown"}
     for candidate in data["candidates"]:
         parts = candidate["id"].split("+")
-        if all(part in known for part in parts):
-            found[candidate["id"]] = " and ".join(known[part].name for part in parts)
+        if all(part in known or part in found for part in parts):
+            found[candidate["id"]] = " and ".join(
+                known[part].name if part in known else found[part] for part in parts)
     return found
 
 

@@ -121,6 +121,8 @@ class Library:
     """(n, n) covariance of what the model gets wrong with everything within tolerance."""
     prior_odds: Mapping[str, float] = field(default_factory=dict)
     """Effect -> what direct checks make of its odds; 1 where none is given."""
+    known: Mapping[str, float] = field(default_factory=dict)
+    """Effect -> probability that it is missing, where that needs no test of a finger to be seen."""
 
     def __post_init__(self):
         n, k = sum(len(test.loads) for test in self.tests), len(self.nuisances)
@@ -172,7 +174,8 @@ class Library:
         """Write all arrays to one .npz, beside and renamed."""
         arrays = {name: getattr(self, name) for name in ("baseline", "prior", "jacobian", "structural")}
         about: dict = {"format": FORMAT, "tests": [asdict(test) for test in self.tests],
-                       "nuisances": self.nuisances, "prior_odds": dict(self.prior_odds), "responses": {}}
+                       "nuisances": self.nuisances, "prior_odds": dict(self.prior_odds),
+                       "known": dict(self.known), "responses": {}}
         for name, response in self.responses.items():
             about["responses"][name] = response.parameters
             arrays |= {f"{name}/{what}": getattr(response, what) for what in RESPONSE
@@ -209,4 +212,4 @@ class Library:
             for name, parameters in about["responses"].items()}
         tests = tuple(Series(**{**test, "loads": tuple(test["loads"])}) for test in about["tests"])
         return cls(tests, arrays["baseline"], tuple(about["nuisances"]), arrays["prior"], arrays["jacobian"],
-                   responses, arrays["structural"], about["prior_odds"])
+                   responses, arrays["structural"], about["prior_odds"], about.get("known", {}))

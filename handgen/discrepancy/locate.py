@@ -15,8 +15,12 @@ from handgen.discrepancy.observed import Observed, Readings, Summary
 
 SHAPES = ("offset", "slope", "curvature")
 """Parts of a residual over the load: orthogonal polynomials of degree 0, 1, 2."""
+PLAIN = {"offset": "{0} too {1} on the whole", "slope": "up to {0} {2} towards the last load",
+         "curvature": "up to {0} {2} at both ends than between"}
 STANDS_OUT = 3.0
 """Deviations from which a part of a residual is spoken of."""
+BENDING = 6
+"""Loads from which a residual's curvature is told from something that happens at the last one."""
 CHANCE = 0.01
 """Probability below which a misfit is more than the repeats allow."""
 
@@ -50,7 +54,7 @@ class Located:
     shapes: tuple[tuple[str, float, float], ...]
     """(name, size in the unit of the reading, deviations) of offset, slope, curvature."""
     last: tuple[float, float] | None
-    """(size, deviations) by which the residual of the last load leaves the line of the others."""
+    """(size, deviations) by which the residual of the last load leaves the course of the others."""
     drift: tuple[float, float] | None
     """(per repeat, deviations) by which readings drift from repeat to repeat."""
     outlying: tuple[tuple[int, float | None, float], ...]
@@ -64,10 +68,12 @@ class Located:
     @property
     def words(self) -> list[str]:
         """What stands out, for people."""
-        found = [f"{name} {size:+.3g} {self.unit}" for name, size, sigmas in self.shapes
-                 if abs(sigmas) >= STANDS_OUT]
+        found = [PLAIN[name].format(f"{abs(size):.2g} {self.unit}", "large" if size > 0 else "small",
+                                    "more" if size > 0 else "less")
+                 for name, size, sigmas in self.shapes if abs(sigmas) >= STANDS_OUT]
         if self.last is not None and abs(self.last[1]) >= STANDS_OUT:
-            found.append(f"last point {self.last[0]:+.3g} {self.unit} off the line of the others")
+            found.append(f"at {self.points[-1].load:g} {self.last[0]:+.2g} {self.unit} off the course of the "
+                         "other loads")
         return found
 
 
@@ -112,11 +118,13 @@ def _shapes(loads: np.ndarray, residual: np.ndarray, covariance: np.ndarray):
 
 
 def _last(loads: np.ndarray, residual: np.ndarray, covariance: np.ndarray) -> tuple[float, float] | None:
-    """By how much the last residual leaves the straight line through the others; None below four loads."""
+    """By how much the last residual leaves the line, from BENDING loads on the parabola, through the others;
+    None below four loads."""
     if len(loads) < 4:
         return None
-    design = np.vander(loads[:-1], 2)
-    weights = np.array([loads[-1], 1.0]) @ np.linalg.pinv(design)
+    count = 3 if len(loads) >= BENDING else 2
+    scaled = loads / (np.abs(loads).max() or 1.0)
+    weights = np.vander(scaled[-1:], count)[0] @ np.linalg.pinv(np.vander(scaled[:-1], count))
     contrast = np.append(-weights, 1.0)
     size, sigma = float(contrast @ residual), float(np.sqrt(contrast @ covariance @ contrast))
     return size, size / sigma

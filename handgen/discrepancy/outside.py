@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -46,8 +47,10 @@ def combinations(count: int) -> list[tuple[tuple[float, ...], float]]:
     return [(row, weight - norm) for row, weight in rows]
 
 
-def log_evidence(problem: Problem, baseline: np.ndarray) -> tuple[float, np.ndarray]:
-    """(log evidence, learned residual at all points of the library) of a process on data - `baseline`.
+def log_evidence(problem: Problem, baseline: np.ndarray,
+                 ids: Sequence[str] = ()) -> tuple[float, np.ndarray]:
+    """(log evidence, learned residual at all points of the library) of a process on data - `baseline`, which
+    has the effects `ids` on.
 
     The residual is the mean over everything that the process leaves open. It is no physics.
     """
@@ -62,7 +65,7 @@ def log_evidence(problem: Problem, baseline: np.ndarray) -> tuple[float, np.ndar
         squares = squares**2
         added = np.tensordot(squares, near, axes=1)
         for scale, share in zip(SCALES, SCALE_WEIGHTS, strict=True):
-            densities, weighted = _densities(problem.covariance(scale) + added, residual)
+            densities, weighted = _densities(problem.covariance(scale, ids) + added, residual)
             terms.append(densities + weights + np.log(share / len(LENGTHS)))
             parts.append((squares, weighted, far))
     total = log_sum(np.concatenate(terms))

@@ -14,7 +14,7 @@ from handgen.discrepancy.ask import Proposal, next_test
 from handgen.discrepancy.candidates import SIGMAS, candidates
 from handgen.discrepancy.direct import Finding, findings
 from handgen.discrepancy.library import Library
-from handgen.discrepancy.locate import Located, locate
+from handgen.discrepancy.locate import STANDS_OUT, Located, locate
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.readings import chosen, observed_of
 from handgen.discrepancy.refit import Fitted, Refit
@@ -102,7 +102,11 @@ def diagnose(
     library = simulated.library(simulation)
     observed = observed_of(tests)
     found = tuple(findings(subject, measured.hand.hand, measured.measurements))
-    library = replace(library, prior_odds={one.effect: ODDS for one in found if one.effect})
+    library = replace(
+        library,
+        prior_odds={one.effect: ODDS for one in found if one.effect and one.probability is None},
+        known={one.effect: one.probability for one in found
+               if one.probability is not None and one.effect in library.responses})
     first = score_problem(Problem.of(library, observed))
     library = simulated.localised(simulation, library, _shortlist(first))
     problem = Problem.of(library, observed)
@@ -112,7 +116,7 @@ def diagnose(
     left_open = nuisance.nuisances(list(tests))
     retuned = Refit(simulation, problem, left_open, (), "re-tuned only").run(scores[NONE])
     patched = retuned
-    if said.best.ids and said.word in ("named", "pair", "ambiguous"):
+    if said.best.ids and (said.known or said.word in ("named", "pair", "ambiguous")):
         patched = Refit(simulation, problem, left_open, said.best.ids, "patched").run(said.best)
     asked = None
     if said.word == "ambiguous":
@@ -139,8 +143,9 @@ def diagnose(
 
 def _shortlist(scores: Scores) -> dict[str, dict[str, float]]:
     """Effects that may yet win, or that a direct check points to, each with its most probable parameters."""
-    odds = scores.problem.library.prior_odds
-    single = sorted((h for h in scores.hypotheses if len(h.ids) == 1),
+    library = scores.problem.library
+    odds = {**library.prior_odds, **{name: np.inf for name in library.known}}
+    single = sorted((h for h in scores.hypotheses if h.ids == (h.id,)),
                     key=lambda h: h.log_evidence + np.log(odds.get(h.id, 1.0)), reverse=True)
     best = max((h.log_evidence for h in single), default=0.0)
     kept = [h for h in single if h.log_evidence + np.log(odds.get(h.id, 1.0)) > best - NEAR][:SHORT]
@@ -197,6 +202,10 @@ def _flags(library: Library, located: Sequence[Located]) -> Iterator[str]:
             where = "as a whole" if at is None else f"at {at:g}"
             yield (f"outlying repeat: {one.test}, repeat {repeat} {where}, {sigmas:+.1f} deviations off the "
                    "others; kept, with little weight")
+        if one.last is not None and abs(one.last[1]) >= STANDS_OUT:
+            yield (f"last load: {one.test} at {one.points[-1].load:g}: the model leaves the course of the "
+                   f"other loads by {one.last[0]:+.2g} {one.unit} ({abs(one.last[1]):.1f} deviations): "
+                   "something may begin there that the model does not know, a fold or a contact")
         if one.drift is not None and abs(one.drift[1]) >= DRIFT:
             yield f"drift: {one.test} moves by {one.drift[0]:+.2g} {one.unit} from repeat to repeat"
     for test in library.tests:

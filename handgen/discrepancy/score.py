@@ -83,6 +83,7 @@ def score_problem(problem: Problem, *, pairs: bool = True, process: bool = True,
     if process:
         evidence, learned = outside.log_evidence(problem, library.baseline)
         found.append(Draft(OUTSIDE, (), evidence, {}, library.baseline + learned, 0, problem))
+        found += [_beside(problem, grids[name]) for name in library.known if name in grids]
     if pairs and len(grids) > 1:
         found += of_pairs.drafts(problem, list(grids))
     return Scores(problem, _weighed(library, found, prior))
@@ -139,6 +140,16 @@ def _single(problem: Problem, grid: Grid) -> Draft:
                   grid.predictions[int(posterior.argmax())], len(names), problem)
 
 
+def _beside(problem: Problem, grid: Grid) -> Draft:
+    """Something outside the catalogue beside an effect that is known to be missing."""
+    alone = _single(problem, grid)
+    at_best = max(log_sum(column) for column in grid.log_densities.T)
+    evidence, learned = outside.log_evidence(problem, alone.centre, alone.ids)
+    # Its size is as open as without the process: the same share of the best density is evidence.
+    return replace(alone, id=f"{grid.id}+{OUTSIDE}", log_evidence=evidence + alone.log_evidence - at_best,
+                   centre=alone.centre + learned)
+
+
 def _weighed(library: Library, drafts: Sequence[Draft], prior: Mapping[str, float]) -> tuple[Hypothesis, ...]:
     shares = _shares(library, drafts, prior)
     return _ordered([_hypothesis(draft, share) for draft, share in zip(drafts, shares, strict=True)])
@@ -150,13 +161,29 @@ def _ordered(found: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
 
 def _shares(library: Library, drafts: Sequence[Draft | Hypothesis],
             prior: Mapping[str, float]) -> list[float]:
-    """Probability of each of `drafts`, which are all that there is."""
-    odds = {d.id: float(np.prod([library.prior_odds.get(i, 1.0) for i in d.ids])) for d in drafts}
-    families = {d.id: d.id if not d.ids else "single" if len(d.ids) == 1 else "pair" for d in drafts}
-    members = list(families.values())
-    shares = [prior[families[d.id]] * odds[d.id] / members.count(families[d.id]) for d in drafts]
+    """Probability of each of `drafts`, which are all that there is.
+
+    Where an effect is known to be missing, what else may be missing is as probable as it ever is.
+    """
+    families = [_family(library, draft) for draft in drafts]
+    shares = []
+    for draft, (side, family) in zip(drafts, families, strict=True):
+        share = prior[family] / families.count((side, family))
+        for name, probability in library.known.items():
+            share *= probability if name in side else 1.0 - probability
+        for name in set(draft.ids) - set(side):
+            share *= library.prior_odds.get(name, 1.0)
+        shares.append(share)
     logs = np.array([d.log_evidence for d in drafts]) + np.log(shares)
     return [float(share) for share in np.exp(logs - log_sum(logs))]
+
+
+def _family(library: Library, draft: Draft | Hypothesis) -> tuple[tuple[str, ...], str]:
+    """(effects of it that are known to be missing, what it says beside them)."""
+    side = tuple(name for name in draft.ids if name in library.known)
+    if draft.id.split("+")[-1] == OUTSIDE:
+        return side, OUTSIDE
+    return side, (NONE, "single", "pair")[len(draft.ids) - len(side)]
 
 
 def _hypothesis(draft: Draft, probability: float) -> Hypothesis:

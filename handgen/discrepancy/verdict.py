@@ -35,19 +35,25 @@ class Verdict:
     """Explanations that these tests cannot tell from the best, itself first."""
     vetoed: bool
     """The most probable explanation does not fit."""
+    known: tuple[str, ...] = ()
+    """Effects that a direct check shows to be missing, and that the readings do not deny."""
 
 
 def verdict(scores: Scores) -> Verdict:
     """The verdict on `scores`."""
     best = scores.hypotheses[0]
+    known = tuple(name for name in scores.problem.library.known if scores.present(name) >= SURE)
+    if known and not (len(best.ids) == 2 and best.probability >= SURE):
+        # Whatever else may be missing: the readings are read with what is known to be.
+        best = scores[known[0]]
     held = covering(scores)
     vetoed = best.p_value < MISFIT and best.id != OUTSIDE
     alike = class_of(scores, best.id, held) if best.ids else (best.id,)
 
     def said(word: Word, effects: tuple[str, ...], probability: float, shown: Hypothesis = best) -> Verdict:
-        return Verdict(word, effects, shown, probability, held, alike, vetoed)
+        return Verdict(word, effects, shown, probability, held, alike, vetoed, known)
 
-    outside = scores[OUTSIDE].probability
+    outside = sum(h.probability for h in scores.hypotheses if h.id.split("+")[-1] == OUTSIDE)
     if best.id == OUTSIDE or vetoed:
         return said("outside", (), outside)
     if best.id == NONE:
