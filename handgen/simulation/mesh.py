@@ -28,6 +28,9 @@ TIP_EDGE = 1.0
 """Length of elements along the axis in the closed tip, mm."""
 CORE = 0.5
 """Half width of the O-grid's inner square, in radii of the chamber."""
+DISC = 0.9
+"""Radius of the closed tip's disc over that of the thread around it, at most: a tip may taper below the
+chamber's radius."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,7 @@ class _Rings:
         inside, outside = self.profile.small_core(x), self.profile.outer(x)
         depth = self.winding.depth if self.winding else 0.0
         middle = self.profile.large_core(x) + depth
+        inside = np.where(x > self.profile.small_core_end, np.minimum(inside, DISC * middle), inside)
         share_in = np.linspace(0.0, 1.0, self.inner + 1)
         share_out = np.linspace(0.0, 1.0, self.layers - self.inner + 1)[1:]
         within = inside[:, None] + (middle - inside)[:, None] * share_in
