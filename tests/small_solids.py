@@ -13,8 +13,8 @@ import numpy as np
 
 from handgen.materials.law import Law, law, ogden_law
 from handgen.simulation import cavity, element, shapes
+from handgen.simulation.block import kernel_law
 from handgen.simulation.sparse import Pattern
-from handgen.simulation.system import kernel_law
 
 LAWS = {
     "neo_hookean": law("neo_hookean", {"c10": 0.3}),

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from handgen.materials import tensors
 from handgen.simulation import principal, shapes
-from handgen.simulation.system import kernel_law
+from handgen.simulation.block import kernel_law
 from tests.small_solids import LAWS, Body, crooked, slope_error
 
 BULK = 1e4

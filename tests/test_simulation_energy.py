@@ -44,12 +44,12 @@ class Cycle:
     def given(self, q: np.ndarray) -> np.ndarray:
         """What all own weight and 1 MPa of air would have given up to `q`, mJ."""
         s, x = self.system, self.system.positions(q)
-        fallen = (s.masses[:, None] * s.gravity * x).sum()
+        fallen = (s.loads.masses[:, None] * s.loads.gravity * x).sum()
         if s.exoskeleton:
             states = s.bone_states(q)
             for b, volume in enumerate(s.exoskeleton.volumes):
                 at = s.bones.carried(b, s.exoskeleton.mass_points[b:b + 1], states)[0]
-                fallen += volume * s.case.tpu.density * (s.gravity @ at)
+                fallen += volume * s.case.tpu.density * (s.loads.gravity @ at)
         return np.array([fallen, cavity.volume(x, s.faces)])
 
     def _work(self, name: str, loads: list[Load]) -> float:

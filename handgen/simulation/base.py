@@ -79,16 +79,15 @@ class Base:
         matrix[diagonal[self.dof]] += float((masses[:, None] * now * x).sum())
         np.subtract.at(matrix, place[:, 1, 0], (masses[:, None] * turned)[self.free])
 
-    def add_pull(self, body: int, at: np.ndarray, arm: np.ndarray, masses: np.ndarray, dead: np.ndarray,
+    def add_pull(self, body: int, mass: float, at: np.ndarray, arm: np.ndarray, dead: np.ndarray,
                  q: np.ndarray, place: np.ndarray, force: np.ndarray, matrix: np.ndarray,
                  diagonal: np.ndarray) -> None:
-        """The same of points `at` (n, 3) that bone `body` carries; `arm` (n, 3): slopes with its turn."""
+        """The same of points that bone `body` carries: their `mass`, the sums `at` (3,) of masses times
+        places and `arm` (3,) of masses times slopes with the bone's turn."""
         turned, now = self.slope(dead, q), self.seen(dead, q)
-        force[self.dof] -= float((masses[:, None] * turned * at).sum())
-        matrix[diagonal[self.dof]] += float((masses[:, None] * now * at).sum())
-        across = (masses.sum() * turned[0], masses.sum() * turned[2],
-                  float((masses[:, None] * turned * arm).sum()))
-        for i, value in enumerate(across):
+        force[self.dof] -= float(turned @ at)
+        matrix[diagonal[self.dof]] += float(now @ at)
+        for i, value in enumerate((mass * turned[0], mass * turned[2], float(turned @ arm))):
             if (where := place[body, 3, i]) >= 0:
                 matrix[where] -= value
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from handgen.simulation import runaway
 from handgen.simulation.contact import SOFT
+from handgen.simulation.krylov import gmres
 from handgen.simulation.sparse import factoriser
 from handgen.simulation.system import Load, System
 
@@ -268,15 +269,8 @@ class Solver:
         found, friction = self.matrix.solve(force), self.system.coupling()
         if friction is None:
             return found
-        from scipy.sparse.linalg import LinearOperator, gmres
-
-        size = len(force)
-        moved = LinearOperator((size, size), lambda step: step + self.matrix.solve(friction(step)))
-        return gmres(moved, found, rtol=COUPLED, restart=SOLUTIONS, maxiter=1)[0]
+        return gmres(lambda step: step + self.matrix.solve(friction(step)), found, COUPLED, SOLUTIONS)
 
     def _acting(self, load: Load) -> float:
         """The largest acting force on an unknown, N: what the residual is measured against."""
-        s = self.system
-        pushed = s.largest_face * load.pressure
-        weight = load.weight * s.heaviest * float(np.linalg.norm(s.gravity))
-        return max(pushed, weight, load.tip / 2, LEAST_FORCE)
+        return max(self.system.loads.largest(load), LEAST_FORCE)

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from handgen.geometry.finger import Axis
-from handgen.materials.law import Law
-from handgen.simulation import cavity, contact, element, fibre, principal, shapes
+from handgen.simulation import contact, element, fibre, shapes
 from handgen.simulation.base import Base, add_turned_plane
+from handgen.simulation.block import Block, kernel_law
 from handgen.simulation.case import Case, Grid, Substance
 from handgen.simulation.closing import Closing
 from handgen.simulation.exoskeleton import NEVER, ExoskeletonMesh, exoskeleton_mesh
+from handgen.simulation.loads import Load, Loads
 from handgen.simulation.mesh import ActuatorMesh, actuator_mesh
 from handgen.simulation.offcentre import shifted
 from handgen.simulation.sparse import Pattern
@@ -30,67 +30,6 @@ REACH_BACK, REACH_ON = 8.0, 0.8
 """How far a node of the actuator may slide: mm towards the root; towards the tip as a share of the free
 length behind it (a mean stretch of 1.8). A node is paired with the bones within reach only: from a bone
 farther on, which a curled finger brings back to it, the node is seen outside, not in the bore."""
-POLYNOMIALS = {"neo_hookean": ("c10",), "mooney_rivlin": ("c10", "c01"), "yeoh": ("c10", "c20", "c30")}
-"""Laws that the kernel's polynomial holds, with their constants in order."""
-
-
-@dataclass(frozen=True)
-class Load:
-    """What acts: share of own weight, pressure MPa, tip load N; share of the silicone's stiffness lost."""
-
-    weight: float = 0.0
-    pressure: float = 0.0
-    tip: float = 0.0
-    lost: float = 0.0
-
-    def towards(self, other: Load, share: float) -> Load:
-        return Load(*(float(a + share * (b - a)) for a, b in zip(self.parts, other.parts, strict=True)))
-
-    @property
-    def parts(self) -> tuple[float, float, float, float]:
-        return self.weight, self.pressure, self.tip, self.lost
-
-
-def kernel_law(law: Law) -> tuple[int, np.ndarray]:
-    """(form, constants) of `law` as `principal.respond` takes them.
-
-    Raises:
-        ValueError: the kernel does not know this law.
-    """
-    if law.name == "ogden":
-        return principal.OGDEN, np.array([v for pair in zip(*law.constants, strict=True) for v in pair])
-    if law.name not in POLYNOMIALS:
-        raise ValueError(f"the solid model knows {', '.join([*POLYNOMIALS, 'ogden'])}, not {law.name}")
-    values = dict(zip(POLYNOMIALS[law.name], law.constants, strict=True))
-    return principal.POLYNOMIAL, np.array([values.get(name, 0.0) for name in ("c10", "c20", "c30", "c01")])
-
-
-@dataclass
-class Block:
-    """The elements of one material, with what Newton extrapolates at their points, and from what."""
-
-    cells: np.ndarray
-    dn: np.ndarray
-    weight: np.ndarray
-    form: int
-    constants: np.ndarray
-    bulk: float
-    mean: bool
-    framed: np.ndarray
-    dofs: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), int))
-    place: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 0), np.int32))
-
-    def __post_init__(self):
-        self.stress = np.zeros((*self.weight.shape, 3, 3))
-        self.kept = np.zeros((*self.weight.shape, *element.KEPT))
-        self.swell = np.zeros((len(self.cells), 3 * self.cells.shape[1] + 1))
-        self.pressure = np.zeros(self.weight.shape)
-
-    def softened(self, lost: float) -> np.ndarray:
-        """The constants with a share of the law's stresses `lost`; of a row of powers only the mu."""
-        if self.form == principal.OGDEN:
-            return self.constants * np.where(np.arange(len(self.constants)) % 2, 1.0, 1.0 - lost)
-        return (1.0 - lost) * self.constants
 
 
 class System:
@@ -115,10 +54,11 @@ class System:
         self.base = Base(self, case.base_compliance) if gives else None
         closes = self.exoskeleton is not None and case.edges_left > 0.0
         self.closing = Closing(case, self.bones) if closes else None
-        self._weigh()
         self.blocks = self._blocks()
         self._pairs()
         self._lay_out()
+        self.loads = Loads(self)
+        self.inertia = self.loads.inertia
 
     # Nodes and unknowns
 
@@ -164,8 +104,16 @@ class System:
         self.dofs = self.node_dofs.copy()
         self.dofs[carried] = self.body_dofs[self.body[carried]]
         self.straight = np.zeros((len(self.drawn), 3))
+        self.carried = np.flatnonzero(carried)
+        self.carried_by = self.body[self.carried]
+        self._slopes = np.tile(np.eye(3), (len(self.drawn), 1, 1))
+        self._curves = np.zeros((len(self.drawn), 3))
         if self.exoskeleton:
             self.straight[self.first:] = self.exoskeleton.straight
+            self.arms = self.straight[self.carried][:, [0, 2]]
+            self.arms[:, 0] -= self.bones.pivot[self.carried_by]
+            self._slopes[self.carried] = 0.0
+            self._slopes[self.carried, 0, 0] = self._slopes[self.carried, 2, 1] = 1.0
 
     def bone_states(self, q: np.ndarray) -> np.ndarray:
         """(b, 3) dx, dz, flexion of every bone."""
@@ -175,29 +123,27 @@ class System:
         """(N, 3) nodes, mm."""
         x = self.drawn + np.where(self.node_dofs >= 0, q[self.node_dofs], 0.0)
         if self.bones is not None:
-            states = self.bone_states(q)
-            for b in range(len(self.bones.start)):
-                mine = self.body == b
-                x[mine] = self.bones.carried(b, self.straight[mine], states)
+            self._place(x, self.bone_states(q))
         return x
 
-    def _frames(self, q: np.ndarray):
+    def _place(self, x: np.ndarray, states: np.ndarray) -> None:
+        """Write the places of the nodes that bones carry, the bones' `states` (b, 3)."""
+        nodes, of, arm = self.carried, self.carried_by, self.arms
+        turn = self.bones.angle + states[:, 2]
+        c, s = np.cos(turn)[of], np.sin(turn)[of]
+        at = (self.bones.origin + states[:, :2])[of]
+        x[nodes, 0] = at[:, 0] + c * arm[:, 0] + s * arm[:, 1]
+        x[nodes, 2] = at[:, 1] - s * arm[:, 0] + c * arm[:, 1]
+
+    def _frames(self, x: np.ndarray, q: np.ndarray):
         """(slopes (N, 3, 3), curves (N, 3)) of carried nodes with respect to their bone's unknowns."""
-        slopes, curves = np.zeros((len(self.drawn), 3, 3)), np.zeros((len(self.drawn), 3))
-        slopes[:] = np.eye(3)
-        if self.bones is None:
-            return slopes, curves
-        states = self.bone_states(q)
-        for b in range(len(self.bones.start)):
-            mine = self.body == b
-            a = self.bones.angle[b] + states[b, 2]
-            c, s = np.cos(a), np.sin(a)
-            u, w = self.straight[mine, 0] - self.bones.pivot[b], self.straight[mine, 2]
-            slopes[mine] = 0.0
-            slopes[mine, 0, 0] = slopes[mine, 2, 1] = 1.0
-            slopes[mine, 0, 2], slopes[mine, 2, 2] = -s * u + c * w, -c * u - s * w
-            curves[mine, 0], curves[mine, 2] = -c * u - s * w, s * u - c * w
-        return slopes, curves
+        if self.bones is not None:
+            nodes, of = self.carried, self.carried_by
+            at = (self.bones.origin + self.bone_states(q)[:, :2])[of]
+            along, up = x[nodes, 0] - at[:, 0], x[nodes, 2] - at[:, 1]
+            self._slopes[nodes, 0, 2], self._slopes[nodes, 2, 2] = up, -along
+            self._curves[nodes, 0], self._curves[nodes, 2] = -along, -up
+        return self._slopes, self._curves
 
     # Elements
 
@@ -218,41 +164,6 @@ class System:
         form, constants = kernel_law(substance.law)
         return Block(cells, dn, weight, form, constants, substance.bulk, mean,
                      (self.body[cells] != NEVER).any(axis=1))
-
-    def _weigh(self) -> None:
-        """Masses of nodes (deformable elements, evenly to their points' shape) and of rigid bones."""
-        self.masses = np.zeros(len(self.drawn))
-        for mesh, first, substance in ((self.actuator, 0, self.case.silicone),
-                                       (self.exoskeleton, self.first, self.case.tpu)):
-            if mesh is None:
-                continue
-            cells = mesh.grid.cells + first
-            carried = self.body[cells]
-            rigid = (carried == carried[:, :1]).all(axis=1) & (carried[:, 0] != NEVER)
-            cells = cells[~rigid]
-            _, volume = shapes.gradients(self.drawn, cells)
-            share = shapes.values(cells.shape[1])
-            np.add.at(self.masses, cells, substance.density * volume @ share)
-        self.gravity = np.array(self.case.gravity)
-        heavy = self.masses[self.body == NEVER]
-        if self.exoskeleton:
-            heavy = np.append(heavy, self.exoskeleton.volumes * self.case.tpu.density)
-        self.heaviest = float(heavy.max())
-        self.inertia = self._inertia()
-
-    def _inertia(self) -> np.ndarray:
-        """(n,) what artificial time drags on each unknown: masses over their mean, bones' turns by arm."""
-        mean = self.masses[self.masses > 0].mean()
-        found = np.zeros(self.size)
-        free = self.node_dofs >= 0
-        found[self.node_dofs[free]] = (np.maximum(self.masses, 0.1 * mean)[:, None] * np.ones(3))[free] / mean
-        for b in range(1, len(self.bones.start) if self.bones is not None else 0):
-            places, masses = self._centres(b)
-            arms = ((places - [self.bones.pivot[b], 0, 0]) ** 2).sum(axis=1)
-            found[self.body_dofs[b]] = np.array([masses.sum(), masses.sum(), (masses * arms).sum()]) / mean
-        if self.base:
-            found[self.base.dof] = found[self.turns[:-1]].sum()
-        return found
 
     def _pairs(self) -> None:
         """Pairs of contact: actuator and bones; and the points of the bones that may meet the plane."""
@@ -309,9 +220,6 @@ class System:
         moving = (self.dofs[ends] >= 0).any(axis=(1, 2))
         self.threads = np.ascontiguousarray(ends[moving])
         self.faces = np.ascontiguousarray(faces[(self.dofs[faces] >= 0).any(axis=(1, 2))])
-        corners = self.drawn[self.faces]
-        diagonals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        self.largest_face = float(np.linalg.norm(diagonals, axis=1).max() / 2) if len(self.faces) else 0.0
         self._wind(moving)
         pairs = np.hstack([self.dofs[self.pair_nodes].reshape(-1, 6), self.body_dofs[self.pair_bodies]])
         named = {"threads": self.dofs[self.threads].reshape(-1, 6),
@@ -348,7 +256,8 @@ class System:
 
         `exact`: with the stresses of this very state in the geometric stiffness, not the extrapolated ones.
         """
-        x, (frames, curves) = self.positions(q), self._frames(q)
+        x = self.positions(q)
+        frames, curves = self._frames(x, q)
         self._placed = x, frames
         energy, force, matrix, least = self._deform(x, frames, curves, load.lost, exact)
         if least <= 0.0:
@@ -359,7 +268,7 @@ class System:
                 exact, *self.groups["threads"], force, matrix)
         self._inner = load.lost, force.copy()
         energy += self._touch(x, q, exact, force, matrix)
-        energy += self._act(x, q, load, force, matrix)
+        energy += self.loads.add(x, q, load, force, matrix)
         return energy, force, matrix, least
 
     def reload(self, q: np.ndarray, load: Load) -> np.ndarray:
@@ -369,7 +278,7 @@ class System:
             return self.assemble(q, load, exact=True)[1]
         force, unused = inner.copy(), np.zeros(self.pattern.entries)
         self._touch(self._placed[0], q, True, force, unused)
-        self._act(self._placed[0], q, load, force, unused)
+        self.loads.add(self._placed[0], q, load, force, unused)
         return force
 
     def _touch(self, x: np.ndarray, q: np.ndarray, exact: bool, force, matrix) -> float:
@@ -450,66 +359,6 @@ class System:
         low[0] = -np.inf
         high[-1] = b.end[-1]
         return low, high, b.pivot, b.origin, b.angle
-
-    def _act(self, x: np.ndarray, q: np.ndarray, load: Load, force: np.ndarray, matrix: np.ndarray) -> float:
-        """Add what the loads do: pressure, own weight, a weight that hangs on the tip."""
-        energy = 0.0
-        if load.pressure and len(self.faces):
-            energy += cavity.add_pressure(x, self.faces, load.pressure, *self.groups["faces"], force, matrix)
-        if self.base:
-            energy += self.base.spring(q, force, matrix, self.pattern.diagonal)
-        if load.weight and self.gravity.any():
-            acting = load.weight * self.gravity
-            loose = np.where(self.body == NEVER, self.masses, 0.0)
-            if self.base:
-                self.base.add_weight(x, loose, acting, q, self.groups["base_nodes"][1], force, matrix,
-                                     self.pattern.diagonal)
-            pull = self.masses[:, None] * (self.base.seen(acting, q) if self.base else acting)
-            energy -= (pull * x)[self.body == NEVER].sum()
-            free = self.node_dofs >= 0
-            np.subtract.at(force, self.node_dofs[free], pull[free])
-            for b in range(len(self.bones.start) if self.bones is not None else 0):
-                energy += self._pull(b, self._centres(b), acting, q, force, matrix)
-        if load.tip and self.bones is not None:
-            down = np.array([0.0, 0.0, -1.0])
-            along = self.gravity / np.linalg.norm(self.gravity) if self.gravity.any() else down
-            b = len(self.bones.start) - 1
-            point = np.array([[self.case.finger.length, 0.0, 0.0]]), np.array([0.5])
-            energy += self._pull(b, point, load.tip * along, q, force, matrix)
-        return energy
-
-    def _centres(self, b: int):
-        """(straight points, masses) of bone b: its rigid part and its nodes in deformable elements."""
-        # Corners of 20-node elements have masses below zero: all count, or the bone is too heavy.
-        mine = (self.body == b) & (self.masses != 0)
-        e = self.exoskeleton
-        points = np.vstack([self.straight[mine], e.mass_points[b:b + 1]])
-        return points, np.append(self.masses[mine], e.volumes[b] * self.case.tpu.density)
-
-    def _pull(self, b: int, points, acceleration: np.ndarray, q: np.ndarray, force, matrix) -> float:
-        """Add a dead force, `acceleration` times masses, on straight points that bone `b` carries."""
-        places, masses = points
-        states = self.bone_states(q)
-        at = self.bones.carried(b, places, states)
-        a = self.bones.angle[b] + states[b, 2]
-        c, s = np.cos(a), np.sin(a)
-        u, w = places[:, 0] - self.bones.pivot[b], places[:, 2]
-        if self.base:
-            arm = np.stack([-s * u + c * w, 0 * u, -c * u - s * w], -1)
-            self.base.add_pull(b, at, arm, masses, acceleration, q, self.groups["base_bones"][1], force,
-                               matrix, self.pattern.diagonal)
-            acceleration = self.base.seen(acceleration, q)
-        energy = -(masses[:, None] * acceleration * at).sum()
-        dofs = self.body_dofs[b]
-        if dofs[0] < 0:
-            return energy
-        gx, gz = acceleration[0], acceleration[2]
-        total = masses.sum()
-        force[dofs] -= (total * gx, total * gz,
-                        (masses * (gx * (-s * u + c * w) + gz * (-c * u - s * w))).sum())
-        matrix[self.pattern.diagonal[dofs[2]]] -= (
-            masses * (gx * (-c * u - s * w) + gz * (s * u - c * w))).sum()
-        return energy
 
     def extrapolate(self, q: np.ndarray, step: np.ndarray) -> None:
         """Set the stresses that Newton extrapolates to those after `step` from `q`, to first order.
