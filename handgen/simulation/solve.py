@@ -45,8 +45,8 @@ LONGEST = Load(0.5, 0.020, 0.20, 0.3)
 SHORTEST = Load(0.01, 0.0002, 0.002, 0.005)
 GROWTH, CUT = 2.0, 0.5
 """Of a step after an easy and after a failed one."""
-EASY = 6
-"""Iterations up to which the next step may be longer."""
+EASY, PLAIN = 6, 3
+"""Iterations up to which the next step may be longer, and may be so by GROWTH twice."""
 JUMP = 1.0
 """mm that some place moves at least where the finger folds; a state nearer by was only hard to find."""
 AFTER = 0.5
@@ -128,7 +128,7 @@ class Solver:
                 self.cost.steps += 1
                 point, iterations = found
                 if iterations <= EASY:
-                    self._scale(GROWTH)
+                    self._scale(GROWTH if iterations > PLAIN else GROWTH**2)
                 continue
             self.cost.cuts += 1
             self._slope = None
