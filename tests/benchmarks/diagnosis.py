@@ -36,6 +36,8 @@ NEEDS_FORCE = ("contact_angle",)
 """What the three tests of the source cannot know: its force test is given as well."""
 NOT_ASKED = ("ask-exoskeleton-tip-drop-palm-up-loading",)
 """The chain's strips bend back otherwise than the solid ones, whose arc flattens: by up to 17 mm."""
+ASKED = {"single": ("best", "random"), "pair": ("best",)}
+"""How more tests are chosen, by kind of draw."""
 MOST_ASKED = 3
 UNSEEN = "ask-assembly-bend-angle-palm-down-loading"
 """A kind of test that is never fitted where the gap on an unseen kind is judged."""
@@ -87,9 +89,8 @@ def judge(draw: Draw, library) -> dict:
     row["flagged"] = sum(len(test.summary.outlying) for test in observed.tests)
     if draw.kind == "single":
         row["without"] = said(scores.without(*draw.hidden))
-    if draw.kind in ("single", "pair", "none"):
         row["gap"] = gaps(found, judged, draw, scores)
-        row["asked"] = {how: ask(draw, judged, how, scores) for how in ("best", "random")}
+    row["asked"] = {how: ask(draw, judged, how, scores) for how in ASKED.get(draw.kind, ())}
     return row
 
 

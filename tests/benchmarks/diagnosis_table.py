@@ -136,8 +136,9 @@ def _calibration(kinds) -> list[str]:
         return []
     weights = np.array([w for _, w in rows])
     weights /= weights.sum()
-    sure = np.array([r["shares"][r["best"]] for r, _ in rows])
-    correct = np.array([holds(r, r["best"]) for r, _ in rows], float)
+    leaders = [next(iter(r["shares"].items())) for r, _ in rows]
+    sure = np.array([share_ for _, share_ in leaders])
+    correct = np.array([holds(r, name) for (r, _), (name, _) in zip(rows, leaders, strict=True)], float)
     bins = np.minimum((sure * 10).astype(int), 9)
     error = 0.0
     lines = ["3 calibration (kinds weighed as they are believed to come)"]
