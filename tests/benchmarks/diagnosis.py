@@ -94,6 +94,15 @@ def judge(draw: Draw, library) -> dict:
     return row
 
 
+def size(draw: Draw, library) -> float:
+    """`beyond` of a draw, without judging it."""
+    from handgen.discrepancy.problem import Problem
+
+    found, known = hidden(draw, library, draw.ids), {test.id: test for test in library.tests}
+    moved = {name: found.shift(known[name]) for name in draw.ids}
+    return beyond(moved, Problem.of(library, found.observed()))
+
+
 def sigmas(moved: dict[str, np.ndarray], draw: Draw) -> float:
     """By how many deviations of the repeats' means the hidden moves all readings together."""
     return float(np.sqrt(sum((shift / deviation(name, draw)) @ (shift / deviation(name, draw))
@@ -242,12 +251,14 @@ def _rows(waiting: list[Draw], library: Path, workers: int) -> Iterator[dict]:
 
 
 def main() -> None:
+    from handgen.discrepancy.library import Library
     from tests.benchmarks import diagnosis_library, diagnosis_table
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--kinds", nargs="*", help="only these kinds of draws")
     parser.add_argument("--share", type=float, default=1.0, help="of the draws")
+    parser.add_argument("--least", type=float, default=0.0, help="only what is hidden at so many sigma")
     parser.add_argument("--seed", type=int, default=FRESH)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--library", type=Path, default=diagnosis_library.SHIPPED)
@@ -255,6 +266,9 @@ def main() -> None:
     asked.folder.mkdir(parents=True, exist_ok=True)
     rows = asked.folder / f"rows-{asked.seed}.jsonl"
     draws = [draw for draw in plan(asked.seed, asked.share) if not asked.kinds or draw.kind in asked.kinds]
+    if asked.least:
+        judged = Library.load(asked.library)
+        draws = [draw for draw in draws if size(draw, judged) >= asked.least]
     study(draws, asked.library, rows, asked.workers)
     print(diagnosis_table.tables([json.loads(line) for line in rows.read_text().splitlines()]))
 

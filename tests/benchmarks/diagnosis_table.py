@@ -31,7 +31,8 @@ def wilson(right: int, count: int, z: float = 1.96) -> tuple[float, float]:
     p = right / count
     middle = p + z * z / (2 * count)
     half = z * math.sqrt(p * (1 - p) / count + z * z / (4 * count * count))
-    return (middle - half) / (1 + z * z / count), (middle + half) / (1 + z * z / count)
+    low, high = (middle - half) / (1 + z * z / count), (middle + half) / (1 + z * z / count)
+    return max(low, 0.0), min(high, 1.0)
 
 
 def share(right: int, count: int) -> str:
