@@ -11,6 +11,7 @@ from handgen.bending.comparison import asked, observed
 from handgen.bending.model import load_model
 from handgen.cli import main
 from handgen.discrepancy import worker
+from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.measurements.load import load_measurements
 from tests.quick_bends import curve
 
@@ -123,6 +124,40 @@ def test_what_was_solved_is_not_solved_again(tmp_path, capsys, monkeypatch):
     _, second = diagnose(capsys, *files, tmp_path / "out")
     assert first["bends_solved"] > 100 and second["bends_solved"] == 0
     assert {**first, "bends_solved": 0} == second
+
+
+class Fog(Effect):
+    """A reading aid of another package that shows the finger lower."""
+
+    id = "fog"
+    name = "fog on the glass"
+    sentence = "Fog shows the finger {lower:.1f} mm lower"
+    signature, source, settle = "finger with its actuator alone", "made up", "wipe the glass"
+    parameters = (Parameter("lower", "mm", 0.0, 30.0, 0.0, Prior("normal", (15.0, 5.0)), "of the tip"),)
+
+    def on_case(self, case, p):
+        return case
+
+    def on_reading(self, quantity, loads, values, p):
+        drop = quantity == "tip_drop" and max(loads) > 1.0
+        return [None if v is None else v + p["lower"] * (1 - load / 80) if drop else v
+                for v, load in zip(values, loads, strict=True)]
+
+
+def test_an_effect_of_another_package_takes_part_in_everything(tmp_path, capsys, monkeypatch):
+    point = type("Point", (), {"name": "fog", "value": "lab:FOG", "load": lambda self: Fog()})()
+    monkeypatch.setattr(registry, "entry_points", lambda group: [point])
+
+    def fog(data):
+        test = data["tests"][2]
+        loads = test["load"]["values"]
+        test["repeats"] = [[r + 14 * (1 - p / 80) for r, p in zip(row, loads, strict=True)]
+                           for row in test["repeats"]]
+
+    measurements, _ = campaign(tmp_path, 1.0, spoil=fog)
+    code, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
+    assert code == 1 and any("fog" in c["id"] for c in found["candidates"][:2])
+    assert "fog on the glass" in (tmp_path / "out" / "diagnosis.html").read_text()
 
 
 def test_all_held_out_and_unknown_models_are_bad_input(tmp_path, capsys):

@@ -35,6 +35,17 @@ def test_a_table_becomes_tests_with_their_repeats(tmp_path):
     assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".")] == []
 
 
+def test_a_wrong_word_and_a_wrong_number_are_told_at_once(tmp_path):
+    rows = [HEAD, "a,assembly,presure,tip_drop,palm_down,loading,0.5,,,38,x,75,81",
+            "b,actuator,pressure,elongation,sideway,loading,0.5,,,,5,12,23"]
+    (tmp_path / "lab.csv").write_text("\n".join(rows))
+    with pytest.raises(InputError) as error:
+        import_table(tmp_path / "lab.csv", tmp_path / "lab.yaml", hand=HAND, finger="index")
+    assert [(p.path, p.suggestion) for p in error.value.problems] == [
+        ("line 2, column load.quantity", "pressure"), ("line 2, column 20.0", None),
+        ("line 3, column orientation", "sideways")]
+
+
 def test_semicolons_bring_decimal_commas(tmp_path):
     rows = ["ID;Part;Load quantity;Observable quantity;0,07;0,16", "w;exoskeleton;tip_load;tip_drop;66,5;74"]
     (tmp_path / "lab.csv").write_text("\ufeff" + "\n".join(rows))

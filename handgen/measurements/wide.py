@@ -15,11 +15,11 @@ import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from handgen.errors import InputError, Problem
 from handgen.measurements.load import Measured, load_measurements
-from handgen.measurements.model import SCHEMA, UNITS
+from handgen.measurements.model import SCHEMA, UNITS, Load, Observable, Test
 from handgen.parameters.fault import nearest
 
 TEXT = (
@@ -35,6 +35,16 @@ TEXT = (
     "note",
 )
 NUMBERS = ("resolution", "sensor.pressure_sigma", "obstacle", "fit_up_to")
+CHOICES = {
+    key: get_args(model.model_fields[key.split(".")[-1]].annotation)
+    for model, keys in (
+        (Test, ("part", "orientation", "path")),
+        (Load, ("load.quantity", "load.unit")),
+        (Observable, ("observable.quantity", "observable.unit")),
+    )
+    for key in keys
+}
+"""What a column with a choice may say."""
 FLAGS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 COLUMNS = (*TEXT, *NUMBERS, "held_out")
 NEEDED = ("id", "part", "load.quantity", "observable.quantity")
@@ -176,6 +186,15 @@ def _add(
             continue
         if key in TEXT:
             about[key] = field
+            if key in CHOICES and field not in CHOICES[key]:
+                yield Problem(
+                    file,
+                    where,
+                    field,
+                    "is none of the known choices",
+                    ", ".join(CHOICES[key]),
+                    nearest(field, CHOICES[key]),
+                )
         elif key == "held_out":
             if field.lower() not in FLAGS:
                 yield Problem(file, where, field, "is neither true nor false", "true or false")
