@@ -47,7 +47,8 @@ def _figure(value: float | None) -> str:
 
 
 COLUMNS = {"pressure_kPa": ("kPa", "g"), "tip_load_N": ("weight, N", "g"), "tip_drop_mm": ("drop, mm", ".1f"),
-           "bend_angle_deg": ("bend, deg", ".1f"), "elongation_mm": ("longer, mm", ".1f"),
+           "bend_angle_deg": ("bend, deg", ".1f"), "bend_angle_error_deg": ("+-, deg", ".1f"),
+           "elongation_mm": ("longer, mm", ".1f"),
            "tip_force_N": ("force, N", ".3f"), "max_stretch": ("stretch", ".2f")}
 """Keys of a bend's points, their heads and formats; those that hold nothing are left out."""
 
@@ -57,10 +58,10 @@ def bent(document: dict[str, Any], reached: str, folder: str, style: Style) -> s
     points = document["points"]
     bare = document["part"] == "exoskeleton"
     silent = {"pressure_kPa"} if bare else set() if any(p["tip_load_N"] for p in points) else {"tip_load_N"}
-    shown = [key for key in COLUMNS if key not in silent and any(p[key] is not None for p in points)]
+    shown = [key for key in COLUMNS if key not in silent and any(p.get(key) is not None for p in points)]
     lines = ["".join(f"{COLUMNS[key][0]:>12}" for key in shown)]
     for point in points:
-        cells = ("" if point[key] is None else f"{point[key]:{COLUMNS[key][1]}}" for key in shown)
+        cells = ("" if point.get(key) is None else f"{point[key]:{COLUMNS[key][1]}}" for key in shown)
         words = "; ".join(filter(None, [point["note"], *point["flags"]]))
         row = ("".join(f"{cell:>12}" for cell in cells) + f"  {words}").rstrip()
         lines.append(row if point["converged"] else style(row, COLOURS["fail"]))

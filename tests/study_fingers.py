@@ -30,8 +30,11 @@ def wild(count: int) -> list[Case]:
     return [replace(case, pressures=tuple(p / 1e3 for p in (0, 20, 40, 60))) for case in cases]
 
 
-def likely(seed: int, count: int) -> Iterator[Case]:
-    """Cases of `count` fingers around the adult hand's, of any of its five."""
+def likely(seed: int, count: int, printed: float = 1.0) -> Iterator[Case]:
+    """Cases of `count` fingers around the adult hand's, of any of its five.
+
+    `printed`: share of the filament's stiffness that is left in the print.
+    """
     rng = np.random.default_rng(seed)
     found = 0
     while found < count:
@@ -48,7 +51,7 @@ def likely(seed: int, count: int) -> Iterator[Case]:
                 continue
         found += 1
         yield replace(case, contact=Contact(friction), silicone=_scaled(case.silicone, softer),
-                      tpu=_scaled(case.tpu, stiffer))
+                      tpu=_scaled(case.tpu, printed * stiffer))
 
 
 def _scaled(substance, factor: float):

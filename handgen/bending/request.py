@@ -111,7 +111,9 @@ def request(
         composed = _composed(loaded, chosen, finger, part, dict(
             gravity=gravity, tip_loads=newtons, obstacle=plane, refine=finer),
             (kilopascals, path, times, repeats), problems)
-    if composed is not None and solver == REFERENCE and not hinged and composed[1].extended:
+    if solver == solvers.ROD and finer:
+        faults.say("--refine", refine, "the rod has no mesh", "leave it out")
+    if composed is not None and solver in (REFERENCE, solvers.ROD) and not hinged and composed[1].extended:
         faults.say("--solver", solver, f"does not know {', '.join(composed[1].extended)}", "solid")
     if problems or faults or composed is None:
         raise InputError([*problems, *faults])

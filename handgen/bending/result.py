@@ -93,6 +93,7 @@ def point(request: Request, state: State) -> dict[str, Any]:
         "converged": state.converged,
         **{key: ABOUT[key][1](value) if state.converged and value is not None else None
            for key, value in values.items()},
+        **({"bend_angle_error_deg": math.degrees(state.bend_error)} if state.bend_error is not None else {}),
         "note": state.note,
         "flags": list(flags(request, state)) if state.converged else [],
     }

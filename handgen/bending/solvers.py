@@ -18,14 +18,17 @@ from handgen.simulation.case import Case, Curve
 
 GROUP = "handgen.solvers"
 """Entry points of this group are solvers: `simulate(case, progress=None) -> Curve`."""
+ROD = "rod"
+"""The reduced model, which knows whole fingers only."""
 OWN = {
     "solid": "handgen.simulation.solid",
     "reference": "handgen.simulation.reference",
+    ROD: "handgen.simulation.rod",
     opposition.SOLVER: "handgen.bending.opposition",
 }
 """Modules of handgen whose `simulate` is a solver; loaded when used. The first is the default."""
 SOURCES = ("simulation", "materials", "mechanics", "geometry/profile.py", "geometry/finger.py",
-           "geometry/csg.py", "parameters/derive.py", "bending/opposition.py")
+           "geometry/csg.py", "geometry/strip.py", "parameters/derive.py", "bending/opposition.py")
 """What the own solvers' results depend on, in the package."""
 
 Simulate = Callable[[Case, Callable[[str], None] | None], Curve]
@@ -58,7 +61,8 @@ def names(part: str = "assembly") -> list[str]:
     """Solvers that bend `part`, handgen's own first."""
     if part == opposition.PART:
         return [opposition.SOLVER]
-    return [name for name in OWN if name != opposition.SOLVER] + sorted(registered())
+    others = (opposition.SOLVER,) if part == "assembly" else (opposition.SOLVER, ROD)
+    return [name for name in OWN if name not in others] + sorted(registered())
 
 
 def solver(name: str) -> Solver:
@@ -90,12 +94,17 @@ def _version(point: EntryPoint) -> str:
     return f"{point.value} {package} {source}"
 
 
+def _files(path: Path) -> list[Path]:
+    """Sources and data below `path`, or itself."""
+    return sorted(p for p in path.rglob("*") if p.suffix in (".py", ".json")) if path.is_dir() else [path]
+
+
 @cache
 def _own_version() -> str:
     """Hash of the sources that the own solvers' results depend on."""
     root, total = Path(__file__).parents[1], hashlib.sha256()
     for name in SOURCES:
         path = root / name
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+        for file in _files(path):
             total.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
     return total.hexdigest()

@@ -143,6 +143,8 @@ class State:
     """Force on the obstacle, N, both halves together."""
     max_stretch: float | None = None
     """Largest principal stretch in any element's centre."""
+    bend_error: float | None = None
+    """How far off the bend may be by the solver's own account, rad; None: it gives none."""
     residual: float | None = None
     """Largest out-of-balance force over the largest of the acting ones."""
     note: str = ""

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from handgen.checks.definition import strip_sections
 from handgen.geometry.actuator import profile_of
 from handgen.geometry.profile import FingerProfile
+from handgen.geometry.strip import strip_sections
 from handgen.parameters.model import Hand
 
 STATIONS = 800

@@ -94,7 +94,7 @@ def version() -> str:
     for name in SOURCES:
         path = root / name
         files = [path] if path.is_file() else sorted(p for p in path.rglob("*")
-                                                     if p.suffix in (".py", ".yaml"))
+                                                     if p.suffix in (".py", ".yaml", ".json"))
         for file in files:
             total.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
     return total.hexdigest()

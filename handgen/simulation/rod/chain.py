@@ -1,0 +1,204 @@
+"""A finger as a chain: the arrays that its balance is made of, and where its bones stand.
+
+State q: the joints' turns beyond rest (n), rad, their strips' growth (n), mm, and the actuator's thrust at
+its base, N. Functions of q take a batch (B, 2n + 1).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from handgen.geometry.strip import strip_sections
+from handgen.materials.states import PLANAR, UNIAXIAL, nominal_stress
+from handgen.simulation.case import Case
+from handgen.simulation.observe import TIP
+
+FIBRES = 5
+"""Gauss points through a strip."""
+SECTIONS = 12
+"""Places along a slot at which the strip is measured."""
+STATIONS = 40
+"""Along the actuator."""
+BONE_SECTIONS = 60
+REACH = 0.5
+"""Of the bending of a chamber into the bones beside its slot, in outside radii."""
+STRAINS = np.linspace(-0.6, 1.5, 421)
+STRETCHES = np.linspace(0.4, 4.0, 721)
+"""Where the laws are tabulated."""
+DIFFERENCE = 1e-4
+"""mm and rad, of the slopes of the potential energy."""
+PENALTY = 2.0
+"""N/mm of each point that is pushed into the plane."""
+ROUNDED = 0.3
+"""mm over which a point begins to push."""
+TOUCHING = 7
+"""Points of a bone that may meet it."""
+
+
+class Chain:
+    """`case`, measured."""
+
+    def __init__(self, case: Case):
+        self.case, self.profile, self.cast = case, case.finger, case.actuator
+        self.joint_list = case.finger.finger.joints
+        self.joints = len(self.joint_list)
+        self.unknowns = 2 * self.joints + 1
+        self._strips()
+        self._actuator()
+        self._bending()
+        self._bones()
+
+    # Measures
+
+    def _strips(self) -> None:
+        case = self.case
+        measured = []
+        for j in self.joint_list:
+            x = j.position + j.slot_length * ((np.arange(SECTIONS) + 0.5) / SECTIONS - 0.5)
+            area, centroid, second, _, _ = strip_sections(self.profile, j, case.fillet, x)
+            # In a row their compliances add up.
+            measured.append((1 / np.mean(1 / area), np.mean(centroid), 1 / np.mean(1 / second)))
+        self.area, self.lever, self.second = np.array(measured).T
+        self.slot = np.array([j.slot_length for j in self.joint_list])
+        self.position = np.array([j.position for j in self.joint_list])
+        self.rest = np.radians([j.rest_angle for j in self.joint_list])
+        self.bore = self.profile.bore(self.position)
+        self.wall = self.profile.outer(self.position) - self.bore
+        self.arc = np.radians([j.palmar_arc for j in self.joint_list])
+        self.strip_length = self.slot - self.lever * self.rest
+        ends = np.r_[0.0, self.position + self.slot / 2]
+        begins = np.r_[self.position - self.slot / 2, self.profile.finger.inner_length]
+        bones = begins - ends
+        # Into the last bone no bending reaches: its closed tip keeps it round.
+        self.beside = np.stack([bones[:-1], np.r_[bones[1:-1], 0.0]], -1)
+        place, weight = np.polynomial.legendre.leggauss(FIBRES)
+        # A rectangle of the same area and second moment.
+        self.height = np.sqrt(12 * self.second / self.area)
+        self.fibre = place * self.height[:, None] / 2
+        self.fibre_area = weight / 2 * self.area[:, None]
+        self.strip_stress = nominal_stress(case.tpu.law, UNIAXIAL, 1 + STRAINS)
+
+    def _actuator(self) -> None:
+        case, cast = self.case, self.cast
+        edges = np.linspace(case.held, cast.small_core_end, STATIONS + 1)
+        self.x, self.dx = (edges[1:] + edges[:-1]) / 2, edges[1] - edges[0]
+        outside, inside = cast.outer(self.x), cast.small_core(self.x)
+        thread = cast.large_core(self.x) + case.winding.depth
+        self.wall_area = math.pi * (outside**2 - inside**2)
+        self.pressed = math.pi * thread**2
+        self.silicone_stress = nominal_stress(case.silicone.law, PLANAR, STRETCHES)
+        self.silicone_slope = np.gradient(self.silicone_stress, STRETCHES)
+        self.passed = np.searchsorted(self.position, self.x)
+        self.at = np.clip(np.searchsorted(self.x, self.position), 0, STATIONS - 1)
+        self.outside = outside[self.at]
+        self.around = self.position[:, None] + np.linspace(-1.0, 1.0, 2 * SECTIONS + 1) * (
+            self.slot / 2 + REACH * self.outside)[:, None]
+        self.free = case.finger.finger.inner_length - cast.length
+
+    def _bending(self) -> None:
+        """Length over second moment of the actuator's bent part at each joint, 1/mm3, solid tip and all."""
+        cast, x = self.cast, np.clip(self.around, 0.0, self.cast.length)
+        inside = np.where(x < cast.small_core_end, cast.small_core(np.minimum(x, cast.small_core_end)), 0.0)
+        second = math.pi / 4 * (cast.outer(x) ** 4 - inside**4)
+        self.bend_length = self.slot + 2 * REACH * self.outside
+        self.flexible = self.bend_length * (1 / second).mean(1)
+
+    def _bones(self) -> None:
+        """Ends, masses (half of each joint's goes to either neighbour), centres, points that may touch."""
+        case, f = self.case, self.profile.finger
+        self.start = np.r_[0.0, self.position + self.slot / 2]
+        self.end = np.r_[self.position - self.slot / 2, f.outer_length]
+        share = (np.arange(BONE_SECTIONS) + 0.5) / BONE_SECTIONS
+        x = self.start[:, None] + (self.end - self.start)[:, None] * share
+        weight = self._mass_per_length(x) * ((self.end - self.start) / BONE_SECTIONS)[:, None]
+        mass, first = weight.sum(1), (weight * x).sum(1)
+        silicone = case.silicone.density * self.wall_area[self.at]
+        joint = (case.tpu.density * self.area + silicone) * self.slot / 2
+        mass[:-1] += joint
+        first[:-1] += joint * self.end[:-1]
+        mass[1:] += joint
+        first[1:] += joint * self.start[1:]
+        self.mass, self.centre = mass, first / mass
+        share = np.linspace(0.0, 1.0, TOUCHING)
+        self.touch = self.start[:, None] + (self.end - self.start)[:, None] * share
+        # The rounded tip is where a finger meets the plane.
+        self.touch[-1] = np.linspace(f.inner_length - TIP, f.outer_length, TOUCHING)
+        self.touch_radius = self.profile.outer_radius(self.touch)
+
+    def _mass_per_length(self, x: np.ndarray) -> np.ndarray:
+        """Of exoskeleton and actuator, tonne/mm."""
+        cast, profile = self.cast, self.profile
+        printed = profile.outer_radius(x) ** 2 - profile.bore_radius(x) ** 2
+        air = np.where(x < cast.small_core_end, cast.small_core(np.minimum(x, cast.small_core_end)), 0.0)
+        silicone = np.where(x < cast.length, cast.outer(np.minimum(x, cast.length)) ** 2 - air**2, 0.0)
+        return math.pi * (self.case.tpu.density * printed + self.case.silicone.density * silicone)
+
+    # Places
+
+    def frames(self, q: np.ndarray):
+        """(x, z, flexion) of every bone's start (B, n + 1): joints are arcs of their strips' centroids."""
+        turn, growth = q[:, :self.joints], q[:, self.joints:2 * self.joints]
+        x = z = angle = np.zeros(len(q))
+        found = [(x, z, angle)]
+        for i in range(self.joints):
+            length = self.end[i] - self.start[i]
+            c, s, lever = np.cos(angle), np.sin(angle), self.lever[i]
+            x, z = x + length * c - lever * s, z - length * s - lever * c
+            bend = self.rest[i] + turn[:, i]
+            chord = (self.strip_length[i] + growth[:, i]) * np.sinc(bend / (2 * np.pi))
+            x, z = x + chord * np.cos(angle + bend / 2), z - chord * np.sin(angle + bend / 2)
+            angle = angle + bend
+            x, z = x + lever * np.sin(angle), z + lever * np.cos(angle)
+            found.append((x, z, angle))
+        return tuple(np.stack(parts, -1) for parts in zip(*found, strict=True))
+
+    def heights(self, frames, along: np.ndarray, radius: np.ndarray) -> np.ndarray:
+        """z (B, n + 1, k) of points `along` (n + 1, k) their bones at `radius` palmar of the axis."""
+        _, z, angle = frames
+        u = along - self.start[:, None]
+        return z[..., None] - np.sin(angle)[..., None] * u - np.cos(angle)[..., None] * radius
+
+    def potential(self, q: np.ndarray, share: float) -> np.ndarray:
+        """Of `share` of own weight, the tip's weight, and the plane, N mm (B,)."""
+        case, frames = self.case, self.frames(q)
+        height = self.heights(frames, self.centre[:, None], np.zeros((self.joints + 1, 1)))[..., 0]
+        energy = -share * case.gravity[2] * (self.mass * height).sum(-1)
+        if case.tip_loads[0]:
+            tip = self.heights(frames, self.end[:, None], np.zeros((self.joints + 1, 1)))[:, -1, 0]
+            # It pulls along gravity, or palmar without gravity.
+            energy = energy + (-1.0 if case.gravity[2] > 0 else 1.0) * share * case.tip_loads[0] * tip
+        if case.obstacle is not None:
+            energy = energy + PENALTY / 2 * (self._sunk(frames)[0] ** 2).sum((-1, -2))
+        return energy
+
+    def forces(self, q: np.ndarray, share: float) -> np.ndarray:
+        """Slopes of `potential` (B, 2n)."""
+        m = 2 * self.joints
+        steps = np.zeros((2 * m, self.unknowns))
+        steps[:m, :m], steps[m:, :m] = DIFFERENCE * np.eye(m), -DIFFERENCE * np.eye(m)
+        energy = self.potential((q[:, None] + steps).reshape(-1, self.unknowns), share).reshape(len(q), 2, m)
+        return (energy[:, 0] - energy[:, 1]) / (2 * DIFFERENCE)
+
+    def _sunk(self, frames) -> tuple[np.ndarray, np.ndarray]:
+        """How far points lie below the plane, mm, and its slope: rounded, or Newton's method sticks."""
+        level = -float(self.profile.outer(0.0)) - self.case.obstacle
+        below = level - self.heights(frames, self.touch, self.touch_radius)
+        size = np.sqrt(below**2 + ROUNDED**2)
+        return (below + size) / 2, (1 + below / size) / 2
+
+    def pushed(self, q: np.ndarray) -> float:
+        """Force on the plane, N."""
+        sunk, slope = self._sunk(self.frames(q[None]))
+        return float(PENALTY * (sunk * slope).sum())
+
+    def drop(self, q: np.ndarray) -> float:
+        """Lowest point of the tip below z = -R(0), mm, as `observe` has it."""
+        _, z, angle = (part[0, -1] for part in self.frames(q[None]))
+        f = self.profile.finger
+        x = np.linspace(f.inner_length - TIP, f.outer_length, 60)
+        radius = self.profile.outer_radius(x)
+        u = x - self.start[-1]
+        lowest = min((z - np.sin(angle) * u - np.cos(angle) * side * radius).min() for side in (-1.0, 1.0))
+        return float(-lowest - self.profile.outer(0.0))
