@@ -189,29 +189,66 @@ def test_ten_kills_lose_nothing(worker, tmp_path):
     check_kills(tmp_path, range(10), worker=worker)
 
 
+class Hall:
+    """A scheduler and workers, started by hand."""
+
+    def __init__(self, folder):
+        self.place = folder / "scheduler.json"
+        self.quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder,
+                      "env": surroundings(folder, STUB_SECONDS="0.3")}
+        self.started = []
+        self._start("dask_scheduler", "--port", "0")
+        waiting = time.monotonic() + 60
+        while not self.place.exists() and time.monotonic() < waiting:
+            time.sleep(0.05)
+        self.address = json.loads(self.place.read_text())["address"]
+
+    def _start(self, what, *more):
+        self.started.append(subprocess.Popen(
+            [sys.executable, "-m", f"distributed.cli.{what}", "--scheduler-file", str(self.place),
+             "--no-dashboard", *more], **self.quiet))
+        return self.started[-1]
+
+    def worker(self):
+        return self._start("dask_worker", "--nthreads", "1")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        for one in reversed(self.started):
+            one.terminate()
+        for one in self.started:
+            one.wait(60)
+
+
 def test_workers_started_by_hand_give_the_same_table(undisturbed, tmp_path):
     _, _, table = undisturbed
-    place, env = tmp_path / "scheduler.json", surroundings(tmp_path)
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": tmp_path}
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard",
-               "--scheduler-file", str(place)]
-    started = [subprocess.Popen(command, **quiet)]
-    worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(place),
-              "--nthreads", "1", "--no-dashboard"]
-    try:
-        started += [subprocess.Popen(worker, **quiet) for _ in range(2)]
-        waiting = time.monotonic() + 60
-        while not place.exists() and time.monotonic() < waiting:
-            time.sleep(0.05)
-        address = json.loads(place.read_text())["address"]
-        code, result = run(tmp_path, sweep_file(tmp_path), "--out", "out", "--scheduler", address)
+    with Hall(tmp_path) as hall:
+        hall.worker()
+        hall.worker()
+        code, result = run(tmp_path, sweep_file(tmp_path), "--out", "out", "--scheduler", hall.address)
         assert code == 0 and result["computed"] == 6
         same(rows(tmp_path / "out"), table)
-    finally:
-        for one in reversed(started):
-            one.terminate()
-        for one in started:
-            one.wait(30)
+
+
+@pytest.mark.slow
+def test_a_worker_that_comes_is_used_and_one_that_leaves_is_survived(tmp_path):
+    """The first one leaves for good: without the second nothing would come to an end."""
+    with Hall(tmp_path) as hall:
+        first = hall.worker()
+        running = process(tmp_path, slow(tmp_path), "--out", "out", "--scheduler", hall.address)
+        waiting = time.monotonic() + 120
+        while len(kept(tmp_path)) < 2 and time.monotonic() < waiting:
+            time.sleep(0.05)
+        hall.worker()
+        first.terminate()
+        first.wait(60)
+        code, result = finished(running, 300)
+        assert code == 0 and result["statuses"] == {"done": 12}
+    found = rows(tmp_path / "out")
+    # The stub turns 0.02 rad a kPa.
+    assert found["bend_angle_deg"].tolist() == pytest.approx((found["bend.pressure"] * 1.1459156).tolist())
 
 
 def test_no_scheduler_there(tmp_path):
