@@ -38,7 +38,7 @@ def errors(capsys, tmp_path, *arguments, params=ADULT_FILE):
     (["--finger", "opposition_1"], "--finger", "none of this name", None),
     (["--part", "assembley"], "--part", "none of this name", "assembly"),
     (["--orientation", "palmdown"], "--orientation", "none of this name", "palm_down"),
-    (["--solver", "rod"], "--solver", "none of this name", None),
+    (["--solver", "beam"], "--solver", "none of this name", None),
     (["--solver", "section"], "--solver", "none of this name", None),
     (["--solver", "sold"], "--solver", "none of this name", "solid"),
     (["--model", "litrature"], "--model", "no model of this name", "literature"),
@@ -86,8 +86,8 @@ def test_an_argument_that_makes_no_sense(arguments, path, words, suggestion, tmp
 
 
 def test_the_valid_solvers_are_listed(tmp_path, capsys):
-    [found] = errors(capsys, tmp_path, "--solver", "rod")
-    assert found["allowed"] == "one of solid, reference, stub"
+    [found] = errors(capsys, tmp_path, "--solver", "beam")
+    assert found["allowed"] == "one of solid, reference, rod, stub"
 
 
 @pytest.mark.parametrize("given", [[], (), ""])
@@ -112,7 +112,7 @@ def test_everything_wrong_is_said_at_once(tmp_path, capsys):
     model = model_file(tmp_path, materials={"Ninjaflex": "ninjaflex-ogden-yap", "Ecoflex 00-50": {
         "law": "yeoh", "unit": "MPa", "constants": {"c10": 0.02, "c20": -0.02, "c30": 0.0}, "strain": [0, 3],
         "source": "alves2020"}})
-    found = errors(capsys, tmp_path, "--pressures", "20,10", "--solver", "rod", "--model", model, params=hand)
+    found = errors(capsys, tmp_path, "--pressures", "20,10", "--solver", "x", "--model", model, params=hand)
     assert {(e["file"], e["path"]) for e in found} >= {
         ("command line", "--pressures"), ("command line", "--solver"), (hand, "casting.silicone.name")}
 
