@@ -1,7 +1,10 @@
 """The thread's rules, and the formula for ballooning against equations and elements that assume less."""
 
 import math
+import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from scipy.integrate import quad
 
@@ -12,8 +15,11 @@ from handgen.mechanics.bulge import HALF_CIRCLE, Wall, height
 from handgen.mechanics.silicone import shear_modulus
 from handgen.parameters.load import load
 from handgen.parameters.model import Actuators
+from handgen.simulation import solid
+from handgen.simulation.system import System
 from tests import reference_wall
 from tests.conftest import PARAMS
+from tests.fingers import case as simulated
 from tests.variant import named
 
 MU = shear_modulus(0.0827)
@@ -150,6 +156,44 @@ def test_turns_too_near_keep_the_silicone_out(adult):
 def test_turns_on_one_another_are_found_not_raised(adult):
     outcome = judge(thread.gap, with_thread(adult, pitch=0.15), LIMITS)
     assert outcome.status == "fail" and "lie on one another" in outcome.findings[0].message
+
+
+def test_a_turn_gives_beyond_the_limit_and_not_on_it(adult):
+    """p r pitch over the thread's section and Young's modulus (2.76 GPa, Section 5.2.2), r where it lies."""
+    profile = profile_of(with_thread(adult), "index")
+    radius = float(profile.large_core(adult.thread.held_back)) + 0.075
+    stretch = 0.1 * radius * adult.thread.pitch / (2760 * math.pi / 4 * 0.15**2)
+    for beside, status in ((1e-5, "pass"), (0.0, "pass"), (-1e-5, "fail")):
+        limits = own("thread.gap", "most_stretch", stretch + beside)
+        assert judge(thread.gap, with_thread(adult, diameter=0.15), limits).status == status
+
+
+def test_a_thicker_thread_mends_turns_that_give(adult):
+    (found,) = errors(judge(thread.gap, with_thread(adult, diameter=0.05), LIMITS))
+    assert found.unit == "1" and "holds no wall" in found.message
+    thicker = float(re.search("thread of (.*?) mm", found.fix)[1])
+    assert not errors(judge(thread.gap, with_thread(adult, diameter=thicker), LIMITS))
+    again = judge(thread.gap, with_thread(adult, diameter=thicker - 0.01), LIMITS)
+    assert [f.unit for f in errors(again)] == ["1"]
+
+
+def test_a_thread_of_unknown_modulus_is_not_passed_in_silence(adult):
+    outcome = judge(thread.gap, with_thread(adult, material="cotton"), LIMITS)
+    assert "no modulus of cotton" in next(f for f in outcome.findings if f.severity == "info").message
+
+
+def test_turns_stretch_in_elements_as_the_rule_says():
+    """What the silicone bears, and that turns move apart as the actuator grows longer, leave 15 %."""
+    case = simulated("actuator", orientation="weightless", pressures=[0, 60])
+    thin = replace(case, winding=replace(case.winding, diameter=0.08))
+    mesh, state = System(thin).actuator, solid.simulate(thin).states[-1]
+    rest, now = mesh.grid.nodes[mesh.threads], state.positions["actuator"][mesh.threads]
+    length, before = (np.linalg.norm(x[:, 1] - x[:, 0], axis=1) for x in (now, rest))
+    middle = np.abs(rest[:, 0, 0] - thin.actuator.length / 2) < 10
+    stretch = float(np.mean((length / before)[middle])) - 1
+    radius = float(np.mean(np.hypot(*rest[middle, 0, 1:].T)))
+    alone = 0.06 * radius * thin.winding.pitch / (thin.winding.young * math.pi / 4 * 0.08**2)
+    assert stretch == pytest.approx(alone, rel=0.15)
 
 
 def test_where_no_pitch_suits_the_mend_says_so(adult):

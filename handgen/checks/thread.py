@@ -14,6 +14,7 @@ from handgen.checks.rule import Finding, Outcome, judged, skipped
 from handgen.geometry.actuator import profile_of, thread_key, thread_length, thread_turns
 from handgen.geometry.part import Part
 from handgen.geometry.profile import ActuatorProfile
+from handgen.materials.library import library
 from handgen.mechanics import bulge
 from handgen.mechanics.silicone import shear_modulus
 from handgen.parameters.finger import Thread
@@ -109,7 +110,8 @@ def gap(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     Too wide a gap lets the inner layer balloon at working pressure (`handgen.mechanics.bulge`); it is an
     error where the actuator is free, at the joints and between its sockets, and only said where a
     closed bore holds it. Too narrow a gap keeps silicone out and bubbles in. A turn slides down a
-    taper steeper than its friction. Turns and length are in the reason.
+    taper steeper than its friction, and gives way where it is too thin for the pressure over its pitch.
+    Turns and length are in the reason.
 
     Raises:
         GeometryError: an actuator without wall or chamber, or no length to wind on.
@@ -122,6 +124,7 @@ def gap(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
         tightest = max(tightest, *_ballooning(hand, w, limits, findings))
         _narrow(hand, w, limits, findings)
         _sliding(w, limits, findings)
+        _giving(hand, w, limits, findings)
     # What is broken comes first; else the place that is nearest to ballooning.
     broken = next((f for f in findings if f.severity == "error" and f.unit == "mm"), None)
     measured, limit = (broken.measured, broken.limit) if broken else tightest[1:]
@@ -218,6 +221,38 @@ def _sliding(w: Winding, limits: Limits, findings: list[Finding]) -> None:
             f"turns slide towards the tip: the core falls {slopes[steepest]:.2f} mm a millimetre",
             "cut the thread's groove into the core (thread.groove) or taper the actuator less",
             friction.source, w.spot(w.stations[steepest])))
+
+
+def _giving(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]) -> None:
+    """A turn of radius r holds the tension p r pitch.
+
+    What the silicone bears is left out, and that turns move apart as the actuator grows longer; against
+    elements that comes to within 15 % (see the tests).
+    """
+    thread, where = w.thread, f"actuators/{w.name}"
+    pressure = limits.get("thread.gap", "working_pressure", hand.casting.silicone.name).value
+    most = limits.get("thread.gap", "most_stretch", thread.material)
+    x = _stations(hand, w)
+    radii = w.profile.large_core(x) + thread.diameter / 2 - w.sunk
+    widest = int(np.argmax(radii))
+    tension = pressure * KPA * float(radii[widest]) * thread.pitch
+    known = library().materials.get(thread.material)
+    if known is None or known.elastic is None:
+        findings.append(Finding(
+            "thread.gap", "info", where, tension, None, "N",
+            f"at {pressure:g} kPa a turn carries {tension:.2f} N; how far it stretches is not judged: no"
+            f" modulus of {thread.material} is known", "name a thread of PET", most.source,
+            w.spot(x[widest])))
+        return
+    stretch = tension / (known.elastic.young_mpa * math.pi / 4 * thread.diameter**2)
+    if stretch > most.value + ROUNDING:
+        thicker = math.ceil(100 * thread.diameter * math.sqrt(stretch / most.value)) / 100
+        findings.append(Finding(
+            "thread.gap", "error", where, stretch, most.value, "1",
+            f"at {pressure:g} kPa a turn of {thread.diameter:g} mm carries {tension:.2f} N and stretches by"
+            f" {100 * stretch:.0f} %: it holds no wall",
+            f"use a thread of {thicker:g} mm ({thread_key(hand, w.name)}), or wind closer", most.source,
+            w.spot(x[widest])))
 
 
 def _counted(hand: Hand, windings: list[Winding]) -> str:
