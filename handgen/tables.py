@@ -221,7 +221,8 @@ def diagnosed(document: dict[str, Any], folder: str, style: Style) -> str:
     head = f"{'error at loads left out of the fit':<36}"
     lines += ["", head + "".join(f"{word:>11}" for word in ("as it was", "re-tuned", "patched"))]
     for test in document["gap"]["tests"]:
-        gaps = [test["held_out"][state] for state in ("before", "retuned", "patched")]
+        gaps = [test["held_out"][state] for state in ("before", "retuned")]
+        gaps.append(test["held_out"]["patched"] if document["patch"] else None)
         name = test["test"] + (", never fitted" if test["held_out_test"] else "") + f", {test['unit']}"
         lines.append(f"{name:<36}" + "".join(f"{'-' if g is None else f'{g:.2f}':>11}" for g in gaps))
     if document["next_test"]:

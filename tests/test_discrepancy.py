@@ -311,6 +311,14 @@ def test_location_finds_a_last_point_that_leaves_the_line():
     assert not found["weights"].beyond
 
 
+def test_a_single_repeat_that_is_far_off_is_beyond_chance():
+    lib = library()
+    found = {one.test: one for one in locate(lib, readings(lib, truth(lib, sag=1.0), repeats=1))}
+    assert found["finger"].beyond and found["finger"].assumed > 0.5 and not found["weights"].beyond
+    found = locate(lib, readings(lib, truth(lib, sag=1.0)))
+    assert all(one.assumed is None for one in found)
+
+
 def test_a_residual_that_bends_all_along_is_no_event_at_the_last_load():
     lib = library()
     points = lib.points("finger")

@@ -146,6 +146,7 @@ def _located(one) -> dict[str, Any]:
         "drift": None
         if one.drift is None
         else {"per_repeat": _number(one.drift[0]), "sigmas": _number(one.drift[1])},
+        "assumed_scatter": _number(one.assumed),
         "outlying": [
             {"repeat": repeat, "load": load, "sigmas": _number(sigmas)}
             for repeat, load, sigmas in one.outlying

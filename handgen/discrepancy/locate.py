@@ -59,6 +59,8 @@ class Located:
     """(per repeat, deviations) by which readings drift from repeat to repeat."""
     outlying: tuple[tuple[int, float | None, float], ...]
     """(repeat from 1, load or None for the whole repeat, deviations)."""
+    assumed: float | None = None
+    """Scatter of a reading where no second repeat shows it."""
 
     @property
     def beyond(self) -> bool:
@@ -85,8 +87,6 @@ def locate(library: Library, observed: Observed, predictions: np.ndarray | None 
 
 
 def _located(series: Series, test: Readings, predicted: np.ndarray) -> Located:
-    from scipy.stats import f as law
-
     summary = test.summary
     there = np.isfinite(summary.means) & np.isfinite(predicted)
     loads = np.asarray(series.loads)[there]
@@ -95,13 +95,22 @@ def _located(series: Series, test: Readings, predicted: np.ndarray) -> Located:
     sigma = np.sqrt(np.diag(covariance))
     points = tuple(Point(series.id, float(load), float(r), float(r / s))
                    for load, r, s in zip(loads, residual, sigma, strict=True))
-    misfit = float(residual @ np.linalg.solve(covariance, residual) / max(len(residual), 1))
-    freedoms = max(summary.freedoms, 1)
-    chance = float(law.sf(misfit, max(len(residual), 1), freedoms))
-    return Located(series.id, series.unit, points, misfit, chance,
+    count = max(len(residual), 1)
+    misfit = float(residual @ np.linalg.solve(covariance, residual) / count)
+    return Located(series.id, series.unit, points, misfit, _chance(misfit, count, summary.freedoms),
                    tuple(_shapes(loads, residual, covariance)), _last(loads, residual, covariance),
                    _drift(test, summary),
-                   tuple((i + 1, None if j is None else series.loads[j], z) for i, j, z in summary.outlying))
+                   tuple((i + 1, None if j is None else series.loads[j], z) for i, j, z in summary.outlying),
+                   None if summary.freedoms else summary.sigma)
+
+
+def _chance(misfit: float, count: int, freedoms: int) -> float:
+    """Of so large a mean square of `count` residuals. Without a second repeat the scatter is not found from
+    readings but assumed, and wide."""
+    from scipy.stats import chi2, f
+
+    found = f.sf(misfit, count, freedoms) if freedoms else chi2.sf(misfit * count, count)
+    return float(found)
 
 
 def _shapes(loads: np.ndarray, residual: np.ndarray, covariance: np.ndarray):

@@ -168,14 +168,19 @@ def _where(d: dict[str, Any]) -> Iterator[str]:
     for one in d["located"]:
         if one["beyond_repeats"]:
             words = "; ".join(one["words"]) or "off in no simple shape"
-            yield (f"<li><b>{escape(titles[one['test']])}</b>: further off than the repeats allow (by chance "
-                   f"only {_chance(one['chance'])}). The model as it was is {escape(words)}.")
+            yield (f"<li><b>{escape(titles[one['test']])}</b>: further off than {_scatter(one)} allows (by "
+                   f"chance only {_chance(one['chance'])}). The model as it was is {escape(words)}.")
         else:
-            yield f"<li><b>{escape(titles[one['test']])}</b>: no more than the scatter of the repeats."
+            yield f"<li><b>{escape(titles[one['test']])}</b>: no more than {_scatter(one)} allows."
         if notes.get(one["test"]):
             yield f'<br><span class="quiet">Noted by those who measured: {escape(notes[one["test"]])}</span>'
         yield "</li>"
     yield "</ul>"
+
+
+def _scatter(one: dict[str, Any]) -> str:
+    return ("the scatter of the repeats" if one["assumed_scatter"] is None else
+            f"an assumed scatter of {one['assumed_scatter']:.2g} {escape(one['unit'])} (read once only)")
 
 
 def _chance(share: float) -> str:

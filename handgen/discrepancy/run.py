@@ -202,6 +202,9 @@ def _flags(library: Library, located: Sequence[Located]) -> Iterator[str]:
             where = "as a whole" if at is None else f"at {at:g}"
             yield (f"outlying repeat: {one.test}, repeat {repeat} {where}, {sigmas:+.1f} deviations off the "
                    "others; kept, with little weight")
+        if one.assumed is not None:
+            yield (f"one repeat: {one.test} was read once at each load: a scatter of {one.assumed:.2g} "
+                   f"{one.unit} is assumed; a second repeat would show it")
         if one.last is not None and abs(one.last[1]) >= STANDS_OUT:
             yield (f"last load: {one.test} at {one.points[-1].load:g}: the model leaves the course of the "
                    f"other loads by {one.last[0]:+.2g} {one.unit} ({abs(one.last[1]):.1f} deviations): "
