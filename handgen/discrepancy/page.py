@@ -102,7 +102,7 @@ def _gap(d: dict[str, Any]) -> Iterator[str]:
          [(t, t["held_out"]) for t in tests if t["held_out_test"]]),
     )
     yield "<h2>Does it help?</h2>"
-    yield ("<p>Typical distance between simulation and measurement (root mean square), for three models. "
+    yield ("<p>Typical distance between simulation and measurement (root mean square), model by model. "
            f"{_key('before')} is the model as it was. {_key('retuned')} is the same model with its "
            "stiffnesses, the gauge's zero and the rulers' zeros adjusted as far as is plausible: the honest "
            "rival, which an added effect has to beat. "
