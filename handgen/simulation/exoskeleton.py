@@ -25,7 +25,9 @@ BAND = 12.0
 """Length of the deformable part of a bone beside a slot, mm; with 6 a bare finger is 5 % too stiff,
 beyond 12 nothing changes."""
 RIGID = 1.0
-"""Least length of a bone's rigid part, mm."""
+"""Least length of a bone's rigid part, mm, but in bones so short that ..."""
+LEAST_BAND = 0.25
+"""... their bands would be shorter than this share of them: slivers."""
 BONE_EDGE = 6.0
 """Length of elements along a rigid part, mm: they are only weighed and drawn."""
 STRIP_AROUND, REST_AROUND = 3, 4
@@ -100,7 +102,7 @@ class _Finger:
         parts = []
         for i, (a, b) in enumerate(zip(self.bones.start, self.bones.end, strict=True)):
             first, last = i == 0, i == len(self.slots)
-            band = min(BAND, (b - a - RIGID) / (2 - first - last)) if b - a > RIGID else 0.25 * (b - a)
+            band = min(BAND, max((b - a - RIGID) / (2 - first - last), LEAST_BAND * (b - a)))
             parts.append((a if first else a + band, b if last else b - band))
         return parts
 
