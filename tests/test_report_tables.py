@@ -64,6 +64,15 @@ def test_a_curled_finger_measures_as_along_its_axis(tmp_path):
     assert tuple(measured(survey, PARTS[0]).values()) == pytest.approx(TABLE[PARTS[0]], abs=0.02)
 
 
+def test_a_finger_on_its_own_stands_beside_the_prototype(tmp_path):
+    """Section 4.1.1 tells another finger than Table A.1's index."""
+    survey = surveyed(load(PARAMS / "thesis_finger.yaml"), ("exoskeleton/index", "actuators/index"), tmp_path)
+    found = dimensions.dimensions(survey)
+    assert {each.where for each in found} == {"Section 4.1.1"}
+    assert {each.name for each in found if each.source is None} == {"wall", "tip"}
+    assert all(each.measured == pytest.approx(each.source, abs=0.02) for each in found if each.source)
+
+
 def test_dimensions_are_the_meshes_and_not_the_definitions(adult, tmp_path):
     """Of a mesh that was blown up by 1 % all are 1 % larger."""
     part = adult.parts["actuators/index"]

@@ -91,7 +91,9 @@ def palm(survey: Survey, fingers: list[str]) -> meshes.Drawn:
         beyond = points[points[:, 0] > first_slot(getattr(hand.fingers, name)) - CLEAR].astype(float)
         around = np.vstack([beyond + np.array([0.0, y, z]) for y in (-CLEAR, CLEAR) for z in (-CLEAR, CLEAR)])
         solid -= Manifold.hull_points(placed(hand, name, around))
-    mesh = solid.simplify(meshes.COARSE).to_mesh()
+    # What a hull missed of a finger, by a rounding, would stand in the air.
+    rest = max(solid.decompose(), key=lambda body: body.volume())
+    mesh = rest.simplify(meshes.COARSE).to_mesh()
     return meshes.smooth(mesh.vert_properties[:, :3], mesh.tri_verts.astype(int))
 
 

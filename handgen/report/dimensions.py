@@ -55,16 +55,20 @@ def source() -> dict[str, Any]:
 
 
 def dimensions(survey: Survey) -> list[Dimension]:
-    """All of them, in the order of Tables A.1 and A.2."""
+    """All, in the order of Tables A.1 and A.2; those of a finger on its own beside the prototype's."""
     hand = survey.loaded.hand
     return [*(d for name in hand.fingers.present() for d in _finger(survey, name)),
             *(d for name in hand.actuators.present() for d in _actuator(survey, name))]
 
 
+def _tables(survey: Survey) -> dict[str, Any]:
+    return source() if survey.loaded.hand.palm else source()["prototype"]
+
+
 def _finger(survey: Survey, name: str) -> Iterator[Dimension]:
     part = survey.parts[f"exoskeleton/{name}"]
     finger = getattr(survey.loaded.hand.fingers, name)
-    table = source()["exoskeleton"]
+    table = _tables(survey)["exoskeleton"]
     known = dict(zip(table["columns"], table["rows"].get(name, ()), strict=False))
     for key, value in measured_finger(part, finger, survey.loaded.hand.exoskeleton.joint_fillet).items():
         yield Dimension(part.part.name, key, value, getattr(finger, key), known.get(key), table["table"])
@@ -91,12 +95,12 @@ def _actuator(survey: Survey, name: str) -> Iterator[Dimension]:
     part = survey.parts[f"actuators/{name}"]
     hand = survey.loaded.hand
     actuator, layers = getattr(hand.actuators, name), hand.layers_of(name)
-    table = source()["actuators"]
+    table = _tables(survey)["actuators"]
     given = table["rows"].get(name, ())
     known = dict(zip(table["columns"], given, strict=False))
     asked = {key: getattr(actuator, key) for key in table["columns"]}
     asked |= {"wall": layers.stack, "tip": layers.tip}
-    known |= {key: source()[key] for key in ("wall", "tip")} if given else {}
+    known |= {key: source()[key] for key in ("wall", "tip")} if given and hand.palm else {}
     for key, value in measured_actuator(part).items():
         yield Dimension(part.part.name, key, value, asked[key], known.get(key), table["table"])
 

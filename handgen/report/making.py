@@ -45,10 +45,9 @@ def worksheet(folder: Path) -> str | None:
 
 def section(survey: Survey, folder: Path) -> str:
     """Print time and mass of the hand, ours and the source's; every sliced part."""
-    if HAND not in survey.parts:
-        return ""
-    sliced = known.rows(survey.loaded.hand, folder)
-    content = [_beside(survey, sliced), *(f"<p>{words}</p>" for words in _why(survey, sliced))]
+    sliced, content = known.rows(survey.loaded.hand, folder), []
+    if HAND in survey.parts:
+        content += [_beside(survey, sliced), *(f"<p>{words}</p>" for words in _why(survey, sliced))]
     if sliced:
         content.append(markup.folded(f"All sliced parts ({len(sliced)})", _sliced(sliced)))
     else:

@@ -127,12 +127,12 @@ def dimensions(found: Iterable[Dimension]) -> str:
         markup.quiet("Measured on the very triangles that are printed, mm; below each the source's "
                      f"value, and what was asked where the part leaves it by more than {FAR:g}."),
         *(_dimensions(title, [d for d in found if d.what.startswith(kind)])
-          for kind, title in (("exoskeleton/", "Exoskeletons, Table A.1"),
-                              ("actuators/", "Actuators, Table A.2"))))
+          for kind, title in (("exoskeleton/", "Exoskeletons"), ("actuators/", "Actuators"))))
 
 
 def _dimensions(title: str, found: list[Dimension]) -> str:
     keys = list(dict.fromkeys(d.name for d in found))
+    title = ", ".join([title, *dict.fromkeys(d.where for d in found)])
     rows: dict[str, dict[str, Dimension]] = {}
     for each in found:
         rows.setdefault(each.what, {})[each.name] = each
