@@ -242,7 +242,7 @@ def _beside(found: Diagnosis) -> list[str]:
         return []
     first = max(more, key=more.get)
     return [f"beside {name} something more may be missing ({100 * sum(more.values()):.0f} %), most likely "
-            f"{first} ({100 * more[first]:.0f} %): no longer to be told from these readings"]
+            f"{first} ({100 * more[first]:.0f} %): these readings cannot tell"]
 
 
 def _curves(found: Diagnosis) -> list[dict[str, Any]]:
