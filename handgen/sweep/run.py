@@ -209,4 +209,7 @@ def _confirm(prepared: Prepared, runner: Runner, best: list[dict], folder: Path)
     runner.computed_screening = screening
     rows = Rows(prepared, runner.store, wanted, lambda one: confirming(one, by))
     table.write(folder / CONFIRMED, prepared, rows.kinds, rows)
+    for row in rows:
+        if row["status"] not in FINISHED:
+            runner.say(f"note: {row['hash'][:8]} was not confirmed: {row['status']}, {row['reason']}")
     return [row for row in rows if row["status"] in FINISHED]
