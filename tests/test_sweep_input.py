@@ -8,9 +8,10 @@ import pytest
 
 from handgen import cli
 from handgen.errors import InputError
-from handgen.sweep import draw
+from handgen.sweep import draw, plan, said
 from handgen.sweep.load import prepare
 from handgen.sweep.model import Axis
+from handgen.sweep.store import Store
 from handgen.sweep.variant import task
 from tests.sweep_files import sweep_file
 
@@ -110,6 +111,17 @@ def test_a_hash_knows_what_matters(tmp_path):
     # A part of a sweep, in another order, is the same variants.
     part = {"layers.internal": [1.5], "fingers.index.joints.*.slot_length": [10, 8]}
     assert set(keys(vary=part)) < set(plain)
+
+
+def test_a_plan_counts_what_is_known_and_what_it_takes(tmp_path):
+    file, store = sweep_file(tmp_path, solver="solid"), Store(tmp_path / "store")
+    prepared = prepare(file)
+    store.write(task(prepared, next(draw.points(prepared.sweep))).key, {"status": "done", "wall_s": 2.0})
+    found = plan(file, workers=2, store=store.folder)
+    assert (found["variants"], found["known"], found["missing"]) == (6, 1, 5)
+    assert found["seconds"] == 5.0 and found["base_breaks"] == []
+    told = said.planned(found)
+    assert "6 variants (grid, solid), 1 known, 5 to compute" in told and "2 workers: 5 s" in told
 
 
 AXES = [
