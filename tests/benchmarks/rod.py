@@ -27,9 +27,9 @@ from handgen.simulation.rod.known import FILE, measures, state_measures
 from tests import study_fingers
 
 FOLDER = "outputs/rod_fingers"
-TRAIN, REST, TEST = 40, 100, 65
+TRAIN, REST, TEST = 32, 100, 65
 """Fingers around the adult hand's: fitted on, drawn after those, drawn with other seeds."""
-SOFT, POROUS = 40, 0.31
+SOFT, POROUS = 28, 0.31
 """More to fit on, of a print with this share of the filament's stiffness, as that of a whole hand is."""
 WILD = 320
 START = {"reach": 1.7, "strip": 1.35, "rub": 0.18, "chamber": 0.95, "lift": -0.08, "lever": 0.09, "bone": 1.4}
