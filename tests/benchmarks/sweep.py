@@ -1,7 +1,7 @@
 """What a sweep costs: `python -m tests.benchmarks.sweep [VARIANTS]` prints markdown tables.
 
 Processor seconds a variant, in one process; then whole sweeps on one and two workers and of a tenth of the
-variants: wall seconds, parallel efficiency, memory of the parent. Only an idle machine gives the latter.
+variants: wall and processor seconds, memory of the parent. Only an idle machine gives true wall seconds.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ import json, resource, sys
 from handgen.sweep import run
 found = run(sys.argv[1], out=sys.argv[2], workers=int(sys.argv[3]), store=sys.argv[4])
 memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-print(json.dumps([found["wall_s"], found["computed"], memory]))
+work = sum(sum(resource.getrusage(w)[:2]) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+print(json.dumps([found["wall_s"], found["computed"], memory, work]))
 """
 
 
@@ -52,15 +53,17 @@ def single() -> None:
 
 
 def whole(variants: int) -> None:
-    print("| variants | workers | wall, s | variants/s | parent's memory, MB |\n|---|---|---|---|---|")
+    print("| variants | workers | wall, s | processor, s | variants/s | parent's memory, MB |\n"
+          + "|---" * 6 + "|")
     for count, workers in ((variants // 10, 1), (variants // 10, 2), (variants, 2)):
         with tempfile.TemporaryDirectory() as folder:
             file = sweep_file(Path(folder), method="sobol", budget=count, vary=AXES, solver="rod",
                               bend={"pressures": [60]})
             done = subprocess.run([sys.executable, "-c", RUN, file, f"{folder}/out", str(workers),
                                    f"{folder}/store"], check=True, capture_output=True, text=True)
-            wall, computed, memory = json.loads(done.stdout)
-        print(f"| {computed} | {workers} | {wall:.1f} | {computed / wall:.1f} | {memory:.0f} |", flush=True)
+            wall, computed, memory, work = json.loads(done.stdout)
+        print(f"| {computed} | {workers} | {wall:.1f} | {work:.1f} | {computed / wall:.1f} | {memory:.0f} |",
+              flush=True)
 
 
 if __name__ == "__main__":
