@@ -1,10 +1,14 @@
 """Shared fixtures: the shipped hands, loaded once; a solver of another package."""
 
+import signal
 from pathlib import Path
 
 import pytest
 
 PARAMS = Path(__file__).parent.parent / "params"
+
+# Tests that are run in the background inherit an ignored Ctrl-C, and so would the commands that they interrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
