@@ -7,7 +7,7 @@ import pytest
 
 PARAMS = Path(__file__).parent.parent / "params"
 
-# Tests that are run in the background inherit an ignored Ctrl-C, and so would the commands that they interrupt.
+# What runs in the background inherits an ignored Ctrl-C, and so would the commands that tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
