@@ -117,8 +117,8 @@ def test_downloads_hold_what_they_say(adult, tmp_path):
     assert float(parts[0]["volume_mm3"]) == pytest.approx(adult.parts[PARTS[0]].facts.volume_mm3, abs=0.01)
 
 
-def test_the_resolved_file_is_the_same_hand(adult, tmp_path):
-    found = downloads.downloads(adult, {}, [])["resolved"]
+def test_the_whole_file_is_the_same_hand(adult, tmp_path):
+    found = downloads.downloads(adult, {}, [])["whole"]
     path = tmp_path / found["name"]
     path.write_text(found["text"], encoding="utf-8")
     assert "extends" not in yaml.safe_load(found["text"])

@@ -133,7 +133,7 @@ def test_the_bill_adds_up_what_it_knows(adult, tmp_path):
     assert without == [f"{name} filament, 1.75 mm" for name in ("Ninjaflex", "Filaflex 82A", "PLA")]
     a, b = lines["Ecoflex 00-50 part A"], lines["Ecoflex 00-50 part B"]
     assert a.ml == b.ml == pytest.approx(17.25) and a.price == pytest.approx(17.25 * 1.07 / 1000 * 40)
-    metres = sum(thread_length(adult, n) + 2 * bill.ENDS for n in adult.actuators.present()) / 1000
+    metres = sum(thread_length(adult, n) + 2 * 150.0 for n in adult.actuators.present()) / 1000
     assert lines["PET thread, 0.15 mm"].price == pytest.approx(0.02 * metres)
     assert total == pytest.approx(2 * a.price + 0.02 * metres + 7 * 0.4 * 1.2 + 9)
     bare = changed(adult, prices=type(adult.prices)())

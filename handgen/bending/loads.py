@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from handgen.bending.opposition import PART as OPPOSITION
 from handgen.errors import Problem
@@ -177,9 +178,9 @@ def _in_order(found: Sequence[float], option: str, unit: str, most: float, fault
         before = number
 
 
-def _number(word: object) -> float | None:
+def _number(word: Any) -> float | None:
     try:
-        return float(word)  # type: ignore[arg-type]
+        return float(word)
     except (TypeError, ValueError):
         return None
 

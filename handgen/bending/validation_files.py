@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.bending.validation import Validation
 
 JSON, CSV, ALL = "validation.json", "validation.csv", "validation.png"
@@ -30,11 +30,11 @@ def write(found: Validation, folder: Path) -> dict[str, Any]:
     """
     document = found.document
     folder.mkdir(parents=True, exist_ok=True)
-    _write(folder / JSON, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode())
-    _write(folder / CSV, rows(document).encode())
+    atomic.write(folder / JSON, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode())
+    atomic.write(folder / CSV, rows(document).encode())
     for test in document["tests"]:
-        _write(folder / f"{test['id']}.png", picture([test]))
-    _write(folder / ALL, picture(document["tests"]))
+        atomic.write(folder / f"{test['id']}.png", picture([test]))
+    atomic.write(folder / ALL, picture(document["tests"]))
     return document
 
 
@@ -112,12 +112,3 @@ def _limit(axis, test: dict[str, Any], last: float) -> None:
         axis.axvspan(last, test["loads"][-1], color="#f0f0f4", zorder=0)
         axis.annotate("never fitted", (last, 0.01), xycoords=("data", "axes fraction"), fontsize=7.5,
                       color=INK, xytext=(3, 2), textcoords="offset points")
-
-
-def _write(path: Path, content: bytes) -> None:
-    beside = path.with_name(f".{path.name}.writing-{os.getpid()}")
-    try:
-        beside.write_bytes(content)
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from handgen import __version__
+from handgen import __version__, atomic
 from handgen.builder.survey import Survey, survey
 from handgen.diff import bends, parameters, parts, rules
 from handgen.errors import InputError
@@ -52,7 +52,7 @@ def diff(a: str | os.PathLike, b: str | os.PathLike, out: str | os.PathLike | No
         "handgen_version": __version__,
     }
     if out is not None:
-        _write(Path(out) / FILE, document)
+        atomic.write(Path(out) / FILE, json.dumps(document, indent=1, allow_nan=False) + "\n")
     return document
 
 
@@ -80,13 +80,3 @@ def _head(surveyed: Survey) -> dict[str, Any]:
     loaded = surveyed.loaded
     return {"name": loaded.hand.name, "file": str(loaded.file), "parameters_sha256": loaded.sha256,
             "passed": surveyed.report and surveyed.report["passed"]}
-
-
-def _write(path: Path, document: dict[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        beside.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)

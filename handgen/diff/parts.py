@@ -74,8 +74,7 @@ def times(survey: Survey, folder: Path) -> dict[tuple[str, str], float]:
     for name, each in survey.parts.items():
         of = column(each.part.role, name)
         if of in ("hand", "finger"):
-            process = getattr(hand.printing, of)
-            rate = process.nozzle_size * process.layer_height * process.speed
+            rate = getattr(hand.printing, of).rate
             found[name, LEAST] = round(each.facts.volume_mm3 / rate / 3600.0, 3)
     return found
 

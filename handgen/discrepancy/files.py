@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.discrepancy import figures, patch
 from handgen.discrepancy.document import document
 from handgen.discrepancy.page import page
@@ -48,9 +49,9 @@ def write(found: Diagnosis, folder: Path) -> dict[str, Any]:
         "diagnosis_probabilities.png": figures.probabilities(data, figures.PRINT, names),
     }
     for name, figure in drawn.items():
-        _write(folder / name, figures.png(figure))
-    _write(folder / PAGE, page(data, names).encode())
-    _write(folder / JSON, (json.dumps(data, indent=2, allow_nan=False) + "\n").encode())
+        atomic.write(folder / name, figures.png(figure))
+    atomic.write(folder / PAGE, page(data, names).encode())
+    atomic.write(folder / JSON, (json.dumps(data, indent=2, allow_nan=False) + "\n").encode())
     return data
 
 
@@ -81,10 +82,3 @@ def _head(found: Diagnosis) -> list[str]:
     return lines
 
 
-def _write(path: Path, content: bytes) -> None:
-    beside = path.with_name(f".{path.name}.writing-{os.getpid()}")
-    try:
-        beside.write_bytes(content)
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)

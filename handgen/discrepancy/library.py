@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from handgen import atomic
 from handgen.discrepancy.dense import Dense, dense
 
 FORMAT = 1
@@ -182,15 +183,8 @@ class Library:
                        if getattr(response, what) is not None}
             for i, (axis, density) in enumerate(zip(response.axes, response.densities, strict=True)):
                 arrays[f"{name}/axis/{i}"], arrays[f"{name}/density/{i}"] = axis, density
-        path = Path(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside = path.with_name(f".{path.name}.writing-{os.getpid()}")
-        try:
-            with open(beside, "wb") as file:
-                np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
-            os.replace(beside, path)
-        finally:
-            beside.unlink(missing_ok=True)
+        with atomic.writing(Path(path)) as beside, open(beside, "wb") as file:
+            np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Library:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from handgen import atomic
 from handgen.bending.model import BendModel, Choice
 from handgen.discrepancy.nuisance import STIFFNESS
 from handgen.discrepancy.refit import Fitted
@@ -39,12 +39,7 @@ def write(
     text = "".join(f"# {line}\n" for line in head) + yaml.safe_dump(
         data, sort_keys=False, allow_unicode=True, width=110
     )
-    beside = path.with_name(f".{path.name}.writing-{os.getpid()}")
-    try:
-        beside.write_text(text, encoding="utf-8")
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
+    atomic.write(path, text)
 
 
 def document(

@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
+from handgen import atomic
 from handgen.errors import InputError, Problem
 from handgen.measurements.load import Measured, load_measurements
 from handgen.measurements.model import SCHEMA, UNITS, Load, Observable, Test
@@ -81,24 +82,14 @@ def import_table(
         "source": source or f"imported from {Path(table).name}",
         "tests": tests,
     }
-    target.parent.mkdir(parents=True, exist_ok=True)
-    beside = target.with_name(f".{target.stem}.writing-{os.getpid()}.yaml")
-    try:
-        beside.write_text(
-            yaml.safe_dump(data, sort_keys=False, allow_unicode=True, default_flow_style=None, width=110),
-            encoding="utf-8",
-        )
-        found = load_measurements(beside)
-        os.replace(beside, target)
-    except InputError as error:
-        raise InputError(
-            [
-                replace(problem, file=str(table)) if problem.file == str(beside) else problem
-                for problem in error.problems
-            ]
-        ) from None
-    finally:
-        beside.unlink(missing_ok=True)
+    text = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, default_flow_style=None, width=110)
+    with atomic.writing(target) as beside:
+        beside.write_text(text, encoding="utf-8")
+        try:
+            found = load_measurements(beside)
+        except InputError as error:
+            raise InputError([replace(p, file=str(table)) if p.file == str(beside) else p
+                              for p in error.problems]) from None
     return replace(found, file=target)
 
 

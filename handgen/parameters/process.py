@@ -75,6 +75,9 @@ class Casting(Model):
     mould_sets: int = item(
         "moulds that stand filled at once", default=7, ge=1, le=50,
         assumed="the tooling of all seven actuators is printed, and there is room for it")
+    thread_ends: float = quantity(
+        "mm", 0, 1000, "thread to hold and to tie off at each end", default=150.0,
+        assumed="a hand's breadth and a knot")
     winding_rate: float = quantity(
         "turns/min", 0.5, 60, "turns of thread wound by hand", default=5.0,
         assumed="12 s a turn, looking at the pitch")
@@ -262,6 +265,11 @@ class PrintProcess(Model):
     part_support: dict[str, Literal["none", "touching build plate", "everywhere"]] = item(
         "support of single parts by their role, where it differs", source="Table B.1", default_factory=dict
     )
+
+    @property
+    def rate(self) -> float:
+        """mm3/s that lines lay down side by side, without travel or slowing down: no print is faster."""
+        return self.nozzle_size * self.layer_height * self.speed
 
 
 class Printing(Model):

@@ -22,10 +22,10 @@ def downloads(survey: Survey, bent: Mapping[str, Bend], dimensions: Iterable[Dim
               ) -> dict[str, dict[str, str]]:
     """Key -> {"name", "type", "text", "words"}."""
     loaded, name = survey.loaded, survey.loaded.hand.name
-    resolved = loaded.hand.model_dump(mode="json", by_alias=True, exclude_none=True)
+    whole = loaded.hand.model_dump(mode="json", by_alias=True, exclude_none=True)
     found = {
         "file": _file(loaded.file.name, YAML, loaded.file.read_text(encoding="utf-8"), "the parameter file"),
-        "resolved": _file(f"{name}_resolved.yaml", YAML, yaml.safe_dump(resolved, sort_keys=False),
+        "whole": _file(f"{name}_whole.yaml", YAML, yaml.safe_dump(whole, sort_keys=False),
                           "with all that it extends and every default"),
         "checks": _file("checks.json", JSON, json.dumps(survey.report, indent=1), "rules and findings"),
         "dimensions": _file("dimensions.csv", CSV, _csv(d.row() for d in dimensions),

@@ -81,7 +81,7 @@ def _beside(survey: Survey, sliced: Iterable[dict[str, Any]]) -> str:
 def _why(survey: Survey, sliced: Iterable[dict[str, Any]]) -> Iterable[str]:
     """Why the source's mass and time fit each other but not its volume; worked out from its own settings."""
     told, process = source()["hand"], survey.loaded.hand.printing.hand
-    rate = process.nozzle_size * process.layer_height * process.speed * 3600.0 * MM3
+    rate = process.rate * 3600.0 * MM3
     volume, mass, hours = (told[key]["value"] for key in ("volume", "mass", "time"))
     weighed = mass / process.density
     yield markup.text(

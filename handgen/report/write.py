@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.builder.survey import survey
 from handgen.errors import InputError, Problem
 from handgen.parameters.fault import nearest
@@ -44,7 +45,7 @@ def report(params: str | os.PathLike, out: str | os.PathLike | None = None,
     """
     found = compose(params, out, fingers, progress=progress, workers=workers)
     target = home(found.name, out) / FILE
-    write(target, found.content)
+    atomic.write(target, found.content)
     return {"schema": SCHEMA, "name": found.name, "page": str(target), "bytes": len(found.content),
             "passed": found.passed, "findings": found.findings, "bent": found.bent, "missing": found.missing}
 
@@ -76,17 +77,6 @@ def compose(params: str | os.PathLike, out: str | os.PathLike | None = None,
 def home(name: str, out: str | os.PathLike | None) -> Path:
     """The folder of the hand `name`."""
     return Path(out) if out is not None else Path("outputs") / name
-
-
-def write(target: Path, content: bytes) -> None:
-    """Beside, then renamed: a reader sees the old page or the new one."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    stage = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        stage.write_bytes(content)
-        os.replace(stage, target)
-    finally:
-        stage.unlink(missing_ok=True)
 
 
 def _wanted(fingers: Iterable[str] | None, there: list[str]) -> list[str]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import threading
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.builder.store import digest_file
 
 INDEX = "slices.json"
@@ -30,27 +30,16 @@ class Slices:
             return None
         return row
 
-    @contextmanager
-    def writing(self, gcode: str) -> Iterator[Path]:
+    def writing(self, gcode: str) -> AbstractContextManager[Path]:
         """A path beside the file's own, which takes its place unless an error is raised."""
-        final = self.folder / gcode
-        final.parent.mkdir(parents=True, exist_ok=True)
-        beside = final.with_name(f".{os.getpid()}-{final.name}")
-        try:
-            yield beside
-            os.replace(beside, final)
-        finally:
-            beside.unlink(missing_ok=True)
+        return atomic.writing(self.folder / gcode)
 
     def write(self, rows: Iterable[dict[str, Any]]) -> None:
         """Enter rows; the index is exchanged as a whole."""
         with self._lock:
             self.rows |= {row["gcode"]: row for row in rows}
-            self.folder.mkdir(parents=True, exist_ok=True)
-            beside = self.folder / f".{os.getpid()}-{INDEX}"
             text = json.dumps([self.rows[name] for name in sorted(self.rows)], indent=1, allow_nan=False)
-            beside.write_text(text + "\n", encoding="utf-8")
-            os.replace(beside, self.folder / INDEX)
+            atomic.write(self.folder / INDEX, text + "\n")
 
 
 def read(folder: Path) -> list[dict[str, Any]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from handgen import atomic
 from handgen.errors import EngineError
 from handgen.parameters.load import load
 from handgen.parameters.model import Hand
@@ -54,10 +55,6 @@ def write(params: str | os.PathLike, out: str | os.PathLike | None = None) -> li
     folder = Path(out) if out is not None else Path(FOLDER)
     files = contents(hand) | engine_contents(hand)
     for path, content in files.items():
-        target = folder / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        beside = target.with_name(f".{os.getpid()}-{target.name}")
-        beside.write_bytes(content)
-        os.replace(beside, target)
+        atomic.write(folder / path, content)
     return [str(folder / path) for path in sorted(files)]
 

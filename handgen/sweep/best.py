@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.errors import HandgenError
 from handgen.sweep.load import Prepared
 from handgen.sweep.model import Sweep
@@ -65,13 +66,10 @@ def save_kept(prepared: Prepared, best: list[dict[str, Any]], folder: Path,
         values = {axis: row[axis] for axis in prepared.sweep.vary}
         hand = task(prepared, values).hand
         place = folder / "best" / f"{name}.yaml"
-        place.parent.mkdir(parents=True, exist_ok=True)
         told = "; ".join(f"{axis} {value}" for axis, value in values.items())
         text = yaml.safe_dump({**hand, "name": name, "description": f"{prepared.sweep.name}: {told}"[:400]},
                               sort_keys=False, allow_unicode=True)
-        beside = place.with_suffix(".writing")
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(place)
+        atomic.write(place, text)
         files.append(str(place))
         finger = prepared.sweep.bend.finger
         try:

@@ -126,7 +126,7 @@ def _weigh(row: dict[str, Any], hand: Hand, bend: Bending, limits: Limits) -> No
     volume, profile = mass.exoskeleton(hand, name), FingerProfile(finger)
     row["exoskeleton_g"] = 1e-3 * process.density * volume
     row["finger_g"] = row["exoskeleton_g"] + row["silicone_g"]
-    row["print_h"] = volume / (process.nozzle_size * process.layer_height * process.speed) / 3600
+    row["print_h"] = volume / process.rate / 3600
     x = np.linspace(0.0, finger.inner_length, definition.STATIONS)
     row["least_wall_mm"] = float((profile.outer(x) - profile.bore(x)).min())
     row["hinge_strain"] = max(

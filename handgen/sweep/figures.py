@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from handgen import atomic
+
 MOST_LINES = 2000
 """Rows drawn as lines; an even choice of more."""
 WIDTH = 11.0
@@ -135,8 +137,7 @@ def _saved(figure, path: Path) -> Path:
     from matplotlib import pyplot as plt
 
     figure.tight_layout()
-    beside = path.with_name(f".{path.name}.writing")
-    figure.savefig(beside, dpi=110, format="png", metadata={"Software": None})
+    with atomic.writing(path) as beside:
+        figure.savefig(beside, dpi=110, format="png", metadata={"Software": None})
     plt.close(figure)
-    beside.replace(path)
     return path

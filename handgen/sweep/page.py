@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from handgen import atomic
 from handgen.sweep import figures
 
 TEMPLATE = Path(__file__).with_name("page.html")
@@ -40,9 +41,7 @@ def write(frame, about: dict[str, Any], document: dict[str, Any], folder: Path) 
     carried = json.dumps(data, allow_nan=False).replace("</", "<\\/")
     text = text.replace("@TITLE@", html.escape(about["name"])).replace("@DATA@", carried)
     path = folder / NAME
-    beside = path.with_name(f".{NAME}.writing")
-    beside.write_text(text, encoding="utf-8")
-    beside.replace(path)
+    atomic.write(path, text)
     return path
 
 

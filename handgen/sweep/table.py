@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.parameters.fault import text
 from handgen.sweep import results
 from handgen.sweep.load import Prepared
@@ -45,20 +43,11 @@ def write(path: Path, prepared: Prepared, kinds: dict[str, str], rows: Iterable[
     types = {"text": pa.string(), "number": pa.float64(), "integer": pa.int64()}
     schema = pa.schema([(name, types[kind]) for name, kind in kinds.items()],
                        {META: json.dumps(_about(prepared)).encode()})
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    os.close(handle)
-    try:
-        with pq.ParquetWriter(name, schema, compression="zstd") as file:
-            for block in _blocks(rows):
-                file.write_table(pa.Table.from_pydict(
-                    {column: [_cell(row.get(column), kind) for row in block]
-                     for column, kind in kinds.items()}, schema=schema))
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(name)
+    with atomic.writing(path) as beside, pq.ParquetWriter(str(beside), schema, compression="zstd") as file:
+        for block in _blocks(rows):
+            file.write_table(pa.Table.from_pydict(
+                {column: [_cell(row.get(column), kind) for row in block]
+                 for column, kind in kinds.items()}, schema=schema))
 
 
 def _about(prepared: Prepared) -> dict[str, Any]:

@@ -10,8 +10,6 @@ from handgen.parameters.model import Hand
 from handgen.worksheet.prints import Print, total
 from handgen.worksheet.silicone import Portion
 
-ENDS = 150.0
-"""Thread to hold and to tie off at each end, mm; assumed."""
 CONSUMABLES = (
     ("rubber bands", "2 a mould"),
     ("vinyl gloves", "latex keeps the silicone from curing (Appendix C)"),
@@ -35,7 +33,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Winding:
-    """The thread of one actuator, mm; `cut` is what to cut from the spool."""
+    """The thread of one actuator, mm; `cut` is what to cut from the spool, both ends included."""
 
     actuator: str
     material: str
@@ -43,16 +41,16 @@ class Winding:
     pitch: float
     turns: float
     length: float
-
-    @property
-    def cut(self) -> float:
-        return self.length + 2 * ENDS
+    cut: float
 
 
 def windings(hand: Hand) -> list[Winding]:
-    return [Winding(name, thread.material, thread.diameter, thread.pitch, thread_turns(hand, name),
-                    thread_length(hand, name))
-            for name in hand.actuators.present() for thread in [hand.thread_of(name)]]
+    found = []
+    for name in hand.actuators.present():
+        thread, length = hand.thread_of(name), thread_length(hand, name)
+        found.append(Winding(name, thread.material, thread.diameter, thread.pitch, thread_turns(hand, name),
+                             length, length + 2 * hand.casting.thread_ends))
+    return found
 
 
 def bill(hand: Hand, printed: list[Print], mixed: list[Portion]) -> list[Line]:
@@ -102,7 +100,7 @@ def _threads(hand: Hand) -> list[Line]:
         ml = metres * 1000 * math.pi * kind[1] ** 2 / 4 / 1000
         price = None if hand.prices.thread is None else hand.prices.thread * metres
         lines.append(Line(f"{kind[0]} thread, {kind[1]:g} mm", f"{metres:.1f} m", None, ml, price,
-                          f"with {ENDS:g} mm at each end"))
+                          f"with {hand.casting.thread_ends:g} mm at each end"))
     return lines
 
 

@@ -11,9 +11,9 @@ from handgen.geometry import csg
 from handgen.geometry.casting import Setup
 from handgen.geometry.part import Part
 from handgen.parameters.model import Hand
-from handgen.slicing import files
+from handgen.slicing import known
 from handgen.slicing.profile import HAND, Profile, column, profile
-from handgen.slicing.slice import asked_key, printed
+from handgen.slicing.slice import printed
 
 LETTERS = {"mould_a": "a", "mould_b": "b", "mould_base": "c", "core_large": "d", "core_small": "e",
            "suspender": "f", "plug": "g", "collar": "h"}
@@ -42,11 +42,10 @@ class Print:
 
 def prints(hand: Hand, folder: Path) -> list[Print]:
     """All printed parts; what was sliced into `folder` for other parameters is passed over."""
-    rows, listed = files.read(folder), printed(hand)
+    rows, listed = known.rows(hand, folder), printed(hand)
     found = []
     for name, part in listed.items():
-        key = asked_key(hand, part)
-        slices = {row["slicer"]: row for row in rows if row["part"] == name and row.get("asked") == key}
+        slices = {row["slicer"]: row for row in rows if row["part"] == name}
         texts = list(embossed(part.shape))
         number = texts[0] if texts else _number(hand, part)
         used = profile(hand.printing, column(part.role, name), part.role)
@@ -78,8 +77,7 @@ def total(chosen: list[Print]) -> tuple[float, float, int]:
 def least_hours(volume: float, of: Profile) -> float:
     """Hours that a nozzle needs for `volume` mm3, all filled and never travelling."""
     process = of.process
-    rate = process.nozzle_size * process.layer_height * process.speed
-    return volume / rate * (process.infill_density / 100) / 3600
+    return volume / process.rate * (process.infill_density / 100) / 3600
 
 
 def _number(hand: Hand, part: Part) -> str:

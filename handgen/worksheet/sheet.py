@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from handgen import atomic
 from handgen.errors import EngineError
 from handgen.export import preview
 from handgen.geometry.actuator import refuse_forbidden
@@ -79,10 +80,7 @@ def worksheet(params: str | os.PathLike, out: str | os.PathLike | None = None, m
     refuse_forbidden(loaded.hand, str(loaded.file))
     folder = Path(out) if out is not None else Path("outputs") / loaded.hand.name
     sheet = gather(loaded, folder, progress or (lambda line: None))
-    folder.mkdir(parents=True, exist_ok=True)
-    beside = folder / f".{os.getpid()}-{FILE}"
-    beside.write_text(page(sheet), encoding="utf-8")
-    os.replace(beside, folder / FILE)
+    atomic.write(folder / FILE, page(sheet))
     return document(sheet, str(folder / FILE))
 
 

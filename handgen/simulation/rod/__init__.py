@@ -77,7 +77,7 @@ def towards(balance: Balance, q: np.ndarray, here: float, there: float) -> np.nd
                 return None
         else:
             q, here = found, target
-    return q if balance.residual_of(q, there) is not None else None
+    return q
 
 
 def _state(case: Case, balance: Balance, q: np.ndarray, pressure: float) -> State:
