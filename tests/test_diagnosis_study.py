@@ -13,7 +13,7 @@ from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import score_problem
 from handgen.discrepancy.verdict import verdict
 from tests.benchmarks import diagnosis, diagnosis_library, diagnosis_table
-from tests.benchmarks.diagnosis_draws import Draw, hidden
+from tests.benchmarks.diagnosis_draws import Draw, checked, hidden
 from tests.worlds.effects import EFFECTS
 from tests.worlds.outside import OUTSIDE
 
@@ -23,12 +23,12 @@ SEEDS = range(500, 504)
 
 @pytest.fixture(scope="module")
 def library() -> Library:
-    return Library.load(diagnosis_library.SHIPPED)
+    return diagnosis_library.judged(diagnosis_library.SHIPPED)
 
 
 def said(draw: Draw, library: Library):
     found = hidden(draw, library, draw.ids)
-    return verdict(score_problem(Problem.of(library, found.observed())))
+    return verdict(score_problem(Problem.of(checked(library, found), found.observed())))
 
 
 def test_the_library_answers_the_study_s_tests_for_all_effects(library):
@@ -55,6 +55,14 @@ def test_what_moves_the_finger_far_is_mostly_named_and_never_something_else(libr
     named = [one for one in found if one.word == "named"]
     assert named and all(one.effects == (name,) for one in named)
     assert all(name in one.effects for one in found if one.word == "pair")
+
+
+def test_misread_constants_are_told_from_soft_silicone_by_the_data_sheet(library):
+    """To every test of a finger they are one thing."""
+    said_of = [(name, said(Draw("single", (name,), seed, ids=diagnosis.GIVEN), library))
+               for name in ("wrong_convention", "silicone_softening") for seed in SEEDS]
+    assert any(one.effects == ("wrong_convention",) for _, one in said_of if one.word == "named")
+    assert not any(one.word == "named" and one.effects != (name,) for name, one in said_of)
 
 
 def test_a_stopped_study_goes_on_where_it_was(tmp_path, library):

@@ -1,9 +1,13 @@
 """Checks that need no test of a finger, against numbers of the source that can be computed by hand."""
 
+import numpy as np
 import pytest
+from scipy.stats import norm
 
-from handgen.bending.model import load_model
+from handgen.bending.model import Choice, load_model
+from handgen.discrepancy import convention
 from handgen.discrepancy.direct import findings
+from handgen.materials import library
 from handgen.measurements.load import load_measurements
 
 COIMBRA = "params/measurements/coimbra_index.yaml"
@@ -49,9 +53,29 @@ def test_what_was_weighed_is_lighter_than_solid_ninjaflex(measured):
 
 def test_a_law_that_is_no_possible_material_is_named(measured):
     literature = load_model("literature")[0]
-    from handgen.bending.model import Choice
-    from handgen.materials import library
-
     uniaxial = Choice(name="own", parameters=library.parameter_set("ecoflex-00-50-ogden-elsayed"))
     found = of(measured, "literature", materials={**literature.materials, "Ecoflex 00-50": uniaxial})
     assert "equibiaxial" in found["stability", "uniaxial_only_law"].message
+
+
+def test_a_data_sheet_tells_in_which_convention_constants_are_meant(measured):
+    """Stress over the bulletin's at 100 %: 1.00 and 0.71 of it (Ogden's 1.42), 2.44 and 1.06 (set 1)."""
+    silicone = "Ecoflex 00-50"
+    fitted = load_model("calibrated")[0]
+    misread = library.parameter_set("ecoflex-00-50-ogden-1-as-solved")
+    solved = fitted.model_copy(update={"materials": {silicone: Choice(name="own", parameters=misread)}})
+    plain = load_model("literature")[0]
+    assert convention.odds(fitted, [silicone]) == pytest.approx(_ratio(0.71, 1.0), rel=0.05)
+    assert convention.odds(solved, [silicone]) == pytest.approx(_ratio(1.057, 2.439), rel=0.05)
+    assert convention.odds(plain, [silicone]) is None
+    assert convention.odds(fitted, ["Filaflex 82A"]) is None
+
+
+def _ratio(other, own):
+    """Nine in ten scatter by 10 %, one by a factor e; one in between the two says nothing."""
+    first, second = (0.9 * norm.pdf(np.log(x), 0, 0.1) + 0.1 * norm.pdf(np.log(x)) for x in (other, own))
+    return first / second
+
+
+def test_a_data_sheet_half_way_between_both_conventions_says_nothing():
+    assert convention.likelihood_ratio(0.17, -0.17) == pytest.approx(1.0)

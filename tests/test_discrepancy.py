@@ -91,6 +91,21 @@ def test_two_effects_are_a_pair():
     assert (said.word, set(said.effects)) == ("pair", {"curl", "soft"})
 
 
+def test_a_second_effect_is_named_only_where_one_alone_is_given_up():
+    lib = library()
+    found = score(lib, readings(lib, truth(lib, curl=1.0, soft=1.0), 3))
+    assert verdict(found).word == "pair"
+
+    def said(chance, probability):
+        changed = [replace(one, p_value=chance, probability=probability) if one.id == "curl" else one
+                   for one in found.hypotheses]
+        return verdict(replace(found, hypotheses=tuple(changed)))
+
+    assert said(0.01, 1e-5).word == said(0.0005, 0.01).word == "pair"
+    assert said(0.01, 0.01).word == "ambiguous"
+    assert (said(0.5, 0.01).word, said(0.5, 0.01).effects) == ("named", ("curl",))
+
+
 def test_what_is_certain_is_named_where_a_second_effect_is_open():
     """The curl cannot be missed; of the softness a little is there, which noise could be as well."""
     lib = library()

@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 
 from handgen.bending.model import BendModel, Choice
+from handgen.discrepancy.convention import OTHER, stress
 from handgen.materials import library, stability
-from handgen.materials.law import Law
 from handgen.materials.sets import ParameterSet, Reading
 from handgen.measurements.model import Measurements, Weighed
 from handgen.parameters.model import Hand
@@ -28,7 +28,6 @@ HANGING = ("palm_down", "palm_up")
 """Orientations in which own weight bends a finger."""
 SMALL = 0.1
 """Nominal strain at which two laws that agree at 100 % are compared."""
-OTHER = {"mu/alpha": "2mu/alpha^2", "2mu/alpha^2": "mu/alpha"}
 
 
 @dataclass(frozen=True)
@@ -47,10 +46,15 @@ class Finding:
         return f"{self.check}: {self.effect or self.subject}: {self.message}"
 
 
+def materials(hand: Hand) -> dict[str, str]:
+    """Body -> its material."""
+    return {"exoskeleton": (hand.printing.hand if hand.palm else hand.printing.finger).material,
+            "actuator": hand.casting.silicone.name}
+
+
 def findings(model: BendModel, hand: Hand, measurements: Measurements) -> list[Finding]:
     """All that is wrong with the materials that `hand` is made of, and with what was weighed."""
-    bodies = {"exoskeleton": (hand.printing.hand if hand.palm else hand.printing.finger).material,
-              "actuator": hand.casting.silicone.name}
+    bodies = materials(hand)
     found: list[Finding] = list(_weightless(model, measurements))
     for body, material in bodies.items():
         if (choice := model.materials.get(material)) is not None:
@@ -141,15 +145,6 @@ def _inherited(choice: Choice, parent: ParameterSet, readings: tuple[Reading, ..
             f"{100 * reading.strain:.0f} % strain, but {stress(law, small) / stress(meant, small):.1f} "
             f"times as "
             f"stiff at {100 * SMALL:.0f} % as those constants are in their own")
-
-
-def stress(law: Law, reading: Reading) -> float:
-    """Nominal uniaxial stress of `law` where the bulletin gives one, MPa; at no strain Young's modulus."""
-    from handgen.materials.states import UNIAXIAL, nominal_stress
-
-    if reading.strain == 0.0:
-        return 3.0 * law.shear_modulus
-    return float(nominal_stress(law, UNIAXIAL, np.array(1.0 + reading.strain)))
 
 
 def _log(value: float, reading: Reading) -> float:

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from handgen.bending.model import BendModel, default_name, load_model
-from handgen.discrepancy import nuisance, simulated
+from handgen.discrepancy import convention, nuisance, simulated
 from handgen.discrepancy.ask import Proposal, next_test
 from handgen.discrepancy.candidates import SIGMAS, candidates
-from handgen.discrepancy.direct import Finding, findings
+from handgen.discrepancy.direct import Finding, findings, materials
 from handgen.discrepancy.library import Library
 from handgen.discrepancy.locate import STANDS_OUT, Located, locate
 from handgen.discrepancy.problem import Problem
@@ -29,6 +29,7 @@ from handgen.measurements.model import Test
 from handgen.parameters.load import load
 
 WORKERS = 2
+MISREAD = "wrong_convention"
 ODDS = 10.0
 """By which a direct check that points to an effect raises its odds."""
 SHORT, NEAR = 3, 6.0
@@ -104,7 +105,7 @@ def diagnose(
     found = tuple(findings(subject, measured.hand.hand, measured.measurements))
     library = replace(
         library,
-        prior_odds={one.effect: ODDS for one in found if one.effect and one.probability is None},
+        prior_odds=_odds(subject, measured, found),
         known={one.effect: one.probability for one in found
                if one.probability is not None and one.effect in library.responses})
     first = score_problem(Problem.of(library, observed))
@@ -135,10 +136,19 @@ def diagnose(
         patched,
         _held_out(simulation, held_out, left_open, retuned, patched),
         asked,
-        _materials(measured),
+        materials(measured.hand.hand),
         bends.solved,
         (*remarks, *_flags(library, located)),
     )
+
+
+def _odds(model: BendModel, measured: Measured, found: Sequence[Finding]) -> dict[str, float]:
+    """Effect -> by what direct checks multiply its odds."""
+    odds = {one.effect: ODDS for one in found if one.effect and one.probability is None}
+    read = convention.odds(model, list(materials(measured.hand.hand).values()))
+    if read is not None:
+        odds[MISREAD] = max(read, odds.get(MISREAD, 0.0))
+    return odds
 
 
 def _shortlist(scores: Scores) -> dict[str, dict[str, float]]:
@@ -187,12 +197,6 @@ def _held_out(
         state: dict(zip([test.id for test in tests], np.split(row, ends), strict=True))
         for state, row in zip(("before", "retuned", "patched"), predictions, strict=True)
     }
-
-
-def _materials(measured: Measured) -> dict[str, str]:
-    hand = measured.hand.hand
-    printed = hand.printing.hand if hand.palm else hand.printing.finger
-    return {"exoskeleton": printed.material, "actuator": hand.casting.silicone.name}
 
 
 def _flags(library: Library, located: Sequence[Located]) -> Iterator[str]:

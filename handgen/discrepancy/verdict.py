@@ -16,6 +16,9 @@ COVERED = 0.9
 """Probability that the set of an ambiguous verdict holds together."""
 MISFIT = 0.02
 """Chance of so bad a fit below which an explanation is vetoed."""
+REFUTED, HOPELESS = 0.001, 1e-4
+"""Chance of its misfit, or else probability, below which one effect alone is given up and a second one
+named beside it."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +63,19 @@ def verdict(scores: Scores) -> Verdict:
         if best.probability >= 0.5:
             return said("none", (), best.probability)
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
-    if len(best.ids) == 2 and best.probability >= SURE:
+    if len(best.ids) == 2 and best.probability >= SURE and not _one_may_do(scores, best):
         return said("pair", best.ids, best.probability)
     # One effect may be certain where it is open whether another one is there as well
-    sure = [name for name in best.ids if scores.present(name) >= SURE]
-    if len(sure) == 1 and scores[sure[0]].p_value >= MISFIT:
+    sure = [name for name in best.ids if scores.present(name) >= SURE and scores[name].p_value >= MISFIT]
+    if len(sure) == 1:
         return said("named", (sure[0],), scores.present(sure[0]), scores[sure[0]])
     return said("ambiguous", _effects(scores, held), _sum(scores, held))
+
+
+def _one_may_do(scores: Scores, pair: Hypothesis) -> bool:
+    """Whether one of a pair's effects alone is not quite refuted: the other may but mend its law."""
+    alone = [scores[name] for name in pair.ids]
+    return any(one.p_value >= REFUTED and one.probability >= HOPELESS for one in alone)
 
 
 def covering(scores: Scores, share: float = COVERED) -> tuple[str, ...]:

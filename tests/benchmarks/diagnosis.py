@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.benchmarks.diagnosis_draws import Draw, deviation, hidden
+from tests.benchmarks.diagnosis_draws import Draw, checked, deviation, hidden
 from tests.worlds.effects import EFFECTS
 from tests.worlds.outside import OUTSIDE
 
@@ -78,7 +78,9 @@ def judge(draw: Draw, library) -> dict:
     from handgen.discrepancy.score import score_problem
 
     found = hidden(draw, library, draw.ids)
-    judged = replace(library, prior=library.prior / 16) if draw.kind == "wrong priors" else library
+    judged = checked(library, found)
+    if draw.kind == "wrong priors":
+        judged = replace(judged, prior=library.prior / 16)
     known = {test.id: test for test in library.tests}
     moved = {name: found.shift(known[name]) for name in draw.ids}
     observed = found.observed()
@@ -215,10 +217,10 @@ _library = None
 
 
 def _begin(path: str) -> None:
-    from handgen.discrepancy.library import Library
+    from tests.benchmarks import diagnosis_library
 
     global _library
-    _library = Library.load(path)
+    _library = diagnosis_library.judged(Path(path))
 
 
 def _judge(draw: Draw) -> dict:
@@ -251,7 +253,6 @@ def _rows(waiting: list[Draw], library: Path, workers: int) -> Iterator[dict]:
 
 
 def main() -> None:
-    from handgen.discrepancy.library import Library
     from tests.benchmarks import diagnosis_library, diagnosis_table
 
     parser = argparse.ArgumentParser(description=__doc__)
@@ -267,7 +268,7 @@ def main() -> None:
     rows = asked.folder / f"rows-{asked.seed}.jsonl"
     draws = [draw for draw in plan(asked.seed, asked.share) if not asked.kinds or draw.kind in asked.kinds]
     if asked.least:
-        judged = Library.load(asked.library)
+        judged = diagnosis_library.judged(asked.library)
         draws = [draw for draw in draws if size(draw, judged) >= asked.least]
     study(draws, asked.library, rows, asked.workers)
     print(diagnosis_table.tables([json.loads(line) for line in rows.read_text().splitlines()]))

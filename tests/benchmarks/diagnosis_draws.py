@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from handgen.discrepancy import convention
 from handgen.discrepancy.library import Library, Series
 from handgen.discrepancy.observed import Observed, Readings
+from tests.benchmarks.diagnosis_library import POWER
 from tests.worlds.effects import EFFECTS
 from tests.worlds.made import lab
 from tests.worlds.noise import REPEATS, RESOLUTION, SCATTER, Record, campaign
@@ -18,6 +20,8 @@ from tests.worlds.world import Test, World, run
 
 HOLD = (0.0, 60.0, 300.0, 900.0, 1800.0)
 """s of a hold's readings."""
+SHEET = 0.10
+"""Scatter of the logarithm of the data sheet's stress about that of the judged model's set."""
 OFF = 8.0
 """Deviations by which an outlying repeat is off."""
 
@@ -84,6 +88,18 @@ class Hidden:
         one = asked(test)
         plain = np.mean([run(self.plain, one, k, order) for k in range(self.draw.repeats)], axis=0)
         return self.records[test.id].truth.mean(axis=0) - plain
+
+
+def checked(library: Library, found: Hidden) -> Library:
+    """`library` with what the silicone's data sheet says to the model's set, before any test.
+
+    The sheet is of the silicone as it is meant to be: what softens a pour does not show there.
+    """
+    own = SHEET * float(np.clip(found.draw.rng("sheet").standard_normal(), -2.5, 2.5))
+    sizes = dict(zip(found.draw.hidden, found.sizes, strict=True))
+    own -= np.log(sizes.get("wrong_convention", 1.0))
+    odds = convention.likelihood_ratio(own, own + np.log(POWER / 2))
+    return replace(library, prior_odds={**library.prior_odds, "wrong_convention": odds})
 
 
 FIVE = {"exoskeleton-weights": [0, 2], "actuator-pressure": [1], "assembly-pressure": [0, 4]}
