@@ -11,7 +11,7 @@ import numpy as np
 from handgen.checks import actuators
 from handgen.checks.limits import Limit, Limits
 from handgen.checks.rule import Finding, Outcome, judged, skipped
-from handgen.geometry.actuator import profile_of, thread_key, thread_length, thread_turns
+from handgen.geometry.actuator import profile_of, thread_key, wound
 from handgen.geometry.part import Part
 from handgen.geometry.profile import ActuatorProfile
 from handgen.materials.library import library
@@ -120,8 +120,8 @@ def gap(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     findings, tightest, windings = [], (-math.inf, 0.0, 0.0), _windings(hand, parts)
     if not windings:
         return skipped(rule, "no actuator in this build")
-    for w in windings:
-        tightest = max(tightest, *_ballooning(hand, w, limits, findings))
+    for w, places in zip(windings, _places(hand, windings, limits), strict=True):
+        tightest = max(tightest, *_ballooning(hand, w, places, limits, findings))
         _narrow(hand, w, limits, findings)
         _sliding(w, limits, findings)
         _giving(hand, w, limits, findings)
@@ -131,28 +131,46 @@ def gap(hand: Hand, parts: Mapping[str, Part], limits: Limits) -> Outcome:
     return judged(rule, measured, limit, _counted(hand, windings), findings)
 
 
-def _ballooning(hand: Hand, w: Winding, limits: Limits, findings: list[Finding]
+@dataclass(frozen=True)
+class Places:
+    """Places along a winding, their wall, and the widest gap over which it holds, mm."""
+
+    x: np.ndarray
+    wall: bulge.Wall
+    widest: np.ndarray
+
+
+def _places(hand: Hand, windings: list[Winding], limits: Limits) -> Iterator[Places]:
+    """Of every winding; their gaps are found all at once."""
+    silicone = hand.casting.silicone
+    mu = shear_modulus(silicone.modulus_100)
+    pressure = limits.get("thread.gap", "working_pressure", silicone.name).value * KPA
+    along = [_stations(hand, w) for w in windings]
+    radii = [np.stack([w.profile.small_core(x), w.profile.large_core(x), w.profile.outer(x)])
+             for w, x in zip(windings, along, strict=True)]
+    widest = bulge.Wall(*np.concatenate(radii, 1), mu).widest_gap(pressure)
+    ends = np.cumsum([len(x) for x in along])[:-1]
+    for x, rows, gaps in zip(along, radii, np.split(widest, ends), strict=True):
+        yield Places(x, bulge.Wall(*rows, mu), gaps)
+
+
+def _ballooning(hand: Hand, w: Winding, places: Places, limits: Limits, findings: list[Finding]
                 ) -> Iterator[tuple[float, float, float]]:
     """(gap over limit, gap, limit), mm, where the wall is free; adds what balloons to `findings`."""
     silicone = hand.casting.silicone
     pressure = limits.get("thread.gap", "working_pressure", silicone.name)
-    mu = shear_modulus(silicone.modulus_100)
-    x = _stations(hand, w)
-    radii = zip(w.profile.small_core(x), w.profile.large_core(x), w.profile.outer(x), strict=True)
-    walls = [bulge.Wall(float(i), float(t), float(o), mu) for i, t, o in radii]
-    rows = [(wall.widest_gap(pressure.value * KPA), float(at), wall)
-            for at, wall in zip(x, walls, strict=True)]
-    free = _free(hand, w.name, x)
+    free = _free(hand, w.name, places.x)
     for chosen, severity in ((free, "error"), (~free, "info")):
-        places = [row for row, taken in zip(rows, chosen, strict=True) if taken]
-        if not places:
+        if not chosen.any():
             continue
-        limit, at, wall = min(places, key=lambda row: row[0])
+        at = int(np.argmin(np.where(chosen, places.widest, math.inf)))
+        limit = float(places.widest[at])
         if severity == "error":
             yield w.gap / limit, w.gap, limit
         if w.gap > limit + ROUNDING:
             least = limits.get("thread.gap", "least_gap", silicone.name)
-            findings.append(_balloons(w, severity, limit, at, wall, pressure, least))
+            findings.append(_balloons(w, severity, limit, float(places.x[at]), places.wall.at(at), pressure,
+                                      least))
 
 
 def _balloons(w: Winding, severity: str, limit: float, x: float, wall: bulge.Wall, pressure: Limit,
@@ -261,8 +279,8 @@ def _counted(hand: Hand, windings: list[Winding]) -> str:
         if w.gap <= 0:
             counted.append(f"{w.name}: none")
             continue
-        turns, length = thread_turns(hand, w.name), thread_length(hand, w.name)
-        counted.append(f"{w.name} {turns:.1f} turns, {length / 1000:.2f} m")
+        thread = wound(hand, w.name)
+        counted.append(f"{w.name} {thread.turns:.1f} turns, {thread.length / 1000:.2f} m")
     return "; ".join(counted)
 
 

@@ -179,11 +179,34 @@ def layers(profile: ActuatorProfile) -> tuple[Body, Body, Body]:
     )
 
 
-def thread_path(hand: Hand, name: str) -> np.ndarray:
-    """The thread's centre line as wound on the large core: (n, 4) columns x, y, z (mm), turn.
+@dataclass(frozen=True)
+class Wound:
+    """The thread as it is wound on the large core: points a small, even turn apart."""
 
-    A right-handed helix of constant pitch that starts on the dorsal side. On a plain core the
-    thread lies on the surface; in a groove (`thread.groove`) it is sunk by its radius.
+    turn: np.ndarray
+    x: np.ndarray
+    """Along the axis, mm."""
+    radius: np.ndarray
+    """Of the thread's centre line, mm."""
+
+    @property
+    def turns(self) -> float:
+        """Whole and parts."""
+        return float(self.turn[-1])
+
+    @property
+    def length(self) -> float:
+        """Of the chords, mm, without tied ends."""
+        across = 2 * np.sin(np.pi * self.turn[1])
+        steps = (np.diff(self.x) ** 2 + np.diff(self.radius) ** 2
+                 + self.radius[1:] * self.radius[:-1] * across**2)
+        return float(np.sqrt(steps).sum())
+
+
+def wound(hand: Hand, name: str) -> Wound:
+    """The thread of actuator `name`: a helix of constant pitch.
+
+    On a plain core the thread lies on the surface; in a groove (`thread.groove`) it is sunk by its radius.
 
     Raises:
         GeometryError: turns would lie on one another, or no length is left to wind on.
@@ -204,19 +227,30 @@ def thread_path(hand: Hand, name: str) -> np.ndarray:
     turns = (end - start) / thread.pitch
     turn = np.linspace(0.0, turns, math.ceil(turns * POINTS_PER_TURN) + 1)
     x = start + turn * thread.pitch
-    radius = profile.large_core(x) + (0.0 if thread.groove else thread.diameter / 2)
-    return np.c_[x, -radius * np.sin(2 * np.pi * turn), radius * np.cos(2 * np.pi * turn), turn]
+    return Wound(turn, x, profile.large_core(x) + (0.0 if thread.groove else thread.diameter / 2))
+
+
+def thread_path(hand: Hand, name: str) -> np.ndarray:
+    """The thread's centre line as wound on the large core: (n, 4) columns x, y, z (mm), turn.
+
+    A right-handed helix that starts on the dorsal side.
+
+    Raises:
+        GeometryError: see `wound`.
+    """
+    w = wound(hand, name)
+    around = 2 * np.pi * w.turn
+    return np.c_[w.x, -w.radius * np.sin(around), w.radius * np.cos(around), w.turn]
 
 
 def thread_turns(hand: Hand, name: str) -> float:
     """Number of turns of the thread, whole and parts."""
-    return float(thread_path(hand, name)[-1, 3])
+    return wound(hand, name).turns
 
 
 def thread_length(hand: Hand, name: str) -> float:
     """Length of the wound thread, mm, without its tied ends."""
-    steps = np.diff(thread_path(hand, name)[:, :3], axis=0)
-    return float(np.linalg.norm(steps, axis=1).sum())
+    return wound(hand, name).length
 
 
 def adaptations(hand: Hand) -> list[Adaptation]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -45,12 +45,21 @@ class Curve:
     def end(self) -> float:
         return self.pieces[-1].x1
 
+    @cached_property
+    def _numbers(self) -> derive.Pieces:
+        return tuple((p.x0, p.x1, p.y0, p.y1, p.m0, p.m1) for p in self.pieces)
+
+    @cached_property
+    def _rows(self) -> np.ndarray:
+        return np.array(self._numbers)
+
     def __call__(self, x):
         """Radius at x (scalar or array); beyond its ends the curve keeps its end value."""
-        x = np.clip(np.asarray(x, float), self.pieces[0].x0, self.end)
-        breaks = [p.x0 for p in self.pieces[1:]]
-        rows = np.array([(p.x0, p.x1, p.y0, p.y1, p.m0, p.m1) for p in self.pieces])
-        x0, x1, y0, y1, m0, m1 = rows[np.searchsorted(breaks, x, side="right")].T
+        if isinstance(x, float | int):
+            return float(derive.value_at(self._numbers, x))
+        rows = self._rows
+        x = np.clip(np.asarray(x, float), rows[0, 0], rows[-1, 1])
+        x0, x1, y0, y1, m0, m1 = rows[np.searchsorted(rows[1:, 0], x, side="right")].T
         h = x1 - x0
         t = ((x.T - x0) / h)
         u = 1 - t
@@ -90,15 +99,7 @@ class Curve:
 
     def crossing(self, level: float) -> float | None:
         """Where a non-increasing curve falls below `level`, mm; None if it never does."""
-        if self.pieces[-1].y1 >= level:
-            return None
-        low, high = self.pieces[0].x0, self.end
-        if self(low) < level:
-            return low
-        while high - low > 1e-10:
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self(middle) >= level else (low, middle)
-        return 0.5 * (low + high)
+        return _crossing(self._numbers, level)
 
     def append_to(self, path: Path) -> Path:
         """Extend `path`, which ends at this curve's start, along the curve in (x, radius)."""
@@ -113,6 +114,20 @@ class Curve:
             h = (p.x1 - p.x0) / 3.0
             path = path.cubic((p.x1 - h, p.y1 - h * p.m1), (p.x0 + h, p.y0 + h * p.m0), (p.x0, p.y0))
         return path
+
+
+@lru_cache(maxsize=64)
+def _crossing(pieces: derive.Pieces, level: float) -> float | None:
+    """Kept: every rule asks each of a hand's actuators."""
+    if pieces[-1][3] >= level:
+        return None
+    low, high = pieces[0][0], pieces[-1][1]
+    if derive.value_at(pieces, low) < level:
+        return low
+    while high - low > 1e-10:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if derive.value_at(pieces, middle) >= level else (low, middle)
+    return 0.5 * (low + high)
 
 
 @dataclass(frozen=True)

@@ -31,19 +31,33 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 HALF_CIRCLE = math.pi / 2
 STEPS = 48
 """Half angles between flat and a full circle among which the peak pressure is looked for."""
 
 
+ITERATIONS = 60
+CLOSE = 1e-13
+"""Of a gap: nearer its root is not looked for."""
+
+
 @dataclass(frozen=True)
 class Wall:
-    """An actuator's wall at one place: radii of chamber, thread and outside, mm; shear modulus, MPa."""
+    """An actuator's wall at one place: radii of chamber, thread and outside, mm; shear modulus, MPa.
+
+    The radii may be arrays: many places, of which `widest_gap` asks at once.
+    """
 
     inside: float
     thread: float
     outside: float
     mu: float
+
+    def at(self, place: int) -> Wall:
+        """One of many places."""
+        return Wall(float(self.inside[place]), float(self.thread[place]), float(self.outside[place]), self.mu)
 
     def pressure(self, half_angle: float, gap: float) -> float:
         """Pressure, MPa, that bulges the wall over `gap` mm to `half_angle` rad."""
@@ -63,7 +77,7 @@ class Wall:
         a, b = self.thread**2, self.outside**2
         grown = (self.thread + outwards) ** 2 - a
         curve = grown / 2 * (1 / (a + grown) - 1 / (b + grown))
-        return self.mu * (0.5 * math.log(b * (a + grown) / (a * (b + grown))) + curve)
+        return self.mu * (0.5 * np.log(b * (a + grown) / (a * (b + grown))) + curve)
 
     def half_angle(self, pressure: float, gap: float) -> float:
         """Half angle, rad, to which `pressure` (MPa) bulges the wall; infinite: it balloons."""
@@ -80,16 +94,32 @@ class Wall:
             low = high
         return math.inf
 
-    def widest_gap(self, pressure: float) -> float:
-        """Gap, mm, over which `pressure` (MPa) bulges the wall to a half circle; infinite: none."""
-        from scipy.optimize import brentq
+    def widest_gap(self, pressure: float):
+        """Gap, mm, over which `pressure` (MPa) bulges the wall to a half circle; infinite: none.
 
-        def excess(gap: float) -> float:
-            return self.pressure(HALF_CIRCLE, gap) - pressure
+        Pressure times gap is nearly straight in the gap: a secant between two bounds (the Illinois rule).
+        """
+        def excess(gap):
+            return (self.pressure(HALF_CIRCLE, gap) - pressure) * gap
 
         flat = 2 * self.mu * (self.thread - self.inside) / pressure * (HALF_CIRCLE - HALF_CIRCLE**-3)
-        low, high = 0.2 * flat, 20 * flat
-        return brentq(excess, low, high) if excess(high) < 0 else math.inf
+        low, high = 0.2 * np.asarray(flat), 20 * np.asarray(flat)
+        over, under = excess(low), excess(high)
+        bounded, gap, last = under < 0, low, 0
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for _ in range(ITERATIONS):
+                before, gap = gap, np.where(over > under, (low * under - high * over) / (under - over), low)
+                found = excess(gap)
+                above = found > 0
+                # A bound that stays where it is twice counts half.
+                under = np.where(above, np.where(last == 1, under / 2, under), found)
+                over = np.where(above, found, np.where(last == -1, over / 2, over))
+                low, high, last = (np.where(above, gap, low), np.where(above, high, gap),
+                                   np.where(above, 1, -1))
+                if np.all((np.abs(gap - before) <= CLOSE * gap) | ~bounded):
+                    break
+        widest = np.where(bounded, gap, math.inf)
+        return widest if widest.ndim else float(widest)
 
 
 def height(half_angle: float, gap: float) -> float:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
+from operator import itemgetter
 
 from handgen.parameters.finger import Actuator, Finger, Joint, Layers
 
@@ -37,7 +39,7 @@ def monotone(length: float, start: float, end: float, stations: Sequence[Sequenc
 def value_at(pieces: Pieces, x: float) -> float:
     """The curve's value at one x; beyond its ends it keeps its end value."""
     x = min(max(x, pieces[0][0]), pieces[-1][1])
-    x0, x1, y0, y1, m0, m1 = pieces[bisect_right([p[0] for p in pieces], x) - 1]
+    x0, x1, y0, y1, m0, m1 = pieces[bisect_right(pieces, x, key=itemgetter(0)) - 1]
     h = x1 - x0
     t = (x - x0) / h
     u = 1 - t
@@ -72,10 +74,14 @@ def tightest(actuator: Actuator, finger: Finger) -> tuple[float, float, float]:
         stations(actuator, finger),
     )
     bore = monotone(finger.inner_length, finger.base_bore_diameter, finger.tip_bore_diameter, finger.taper)
-    places = {p[1] for p in (*outside, *bore)} | {0.5 * i for i in range(int(2 * actuator.outer_length) + 1)}
-    pairs = (
-        (x, value_at(outside, x), value_at(bore, x)) for x in sorted(places) if x <= actuator.outer_length
-    )
+    return _tightest(outside, bore, actuator.outer_length)
+
+
+@lru_cache(maxsize=64)
+def _tightest(outside: Pieces, bore: Pieces, length: float) -> tuple[float, float, float]:
+    """Kept, for most fingers of a sweep's hands are alike, and relations and rules ask for the same."""
+    places = {p[1] for p in (*outside, *bore)} | {0.5 * i for i in range(int(2 * length) + 1)}
+    pairs = ((x, value_at(outside, x), value_at(bore, x)) for x in sorted(places) if x <= length)
     return min(pairs, key=lambda place: place[2] - place[1])
 
 
