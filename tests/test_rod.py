@@ -11,7 +11,7 @@ from handgen.bending.request import request
 from handgen.parameters.load import load
 from handgen.simulation import rod, solid
 from handgen.simulation.rod.balance import Balance
-from handgen.simulation.rod.chain import Chain
+from handgen.simulation.rod.chain import PENALTY, ROUNDED, Chain
 from handgen.simulation.rod.known import known, measures, state_measures
 from handgen.sweep import draw
 from handgen.sweep.evaluate import evaluate
@@ -59,6 +59,30 @@ def test_a_little_weight_turns_each_joint_by_what_hangs_beyond_it():
     weight = -chain.case.gravity[2] * chain.mass[1:]
     moment = [(weight[j:] * (chain.centre[1 + j:] - chain.position[j])).sum() for j in range(3)]
     assert q[:3] == pytest.approx(moment / bending, rel=0.03)
+
+
+@pytest.mark.parametrize("values", [{"tip_loads": (0.3,)}, {"obstacle": 20.0}])
+def test_moments_and_pulls_are_slopes_of_an_energy(values):
+    """Own weight, a weight on the tip, a plane: heights alone, differenced."""
+    chain = Chain(replace(case(), **values))
+    q = np.random.default_rng(0).uniform(-0.1, 0.9, (20, chain.unknowns))
+    q[0] = 0.0
+
+    def energy(q):
+        frames, gravity = chain.frames(q), -chain.case.gravity[2]
+        ends = np.stack([chain.centre, chain.end], -1)
+        middle, far = np.moveaxis(chain.heights(frames, ends, np.zeros_like(ends)), -1, 0)
+        found = 0.6 * ((gravity * chain.mass * middle).sum(-1) + chain.case.tip_loads[0] * far[:, -1])
+        if chain.case.obstacle is not None:
+            level = -float(chain.profile.outer(0.0)) - chain.case.obstacle
+            below = level - chain.heights(frames, chain.touch, chain.touch_radius)
+            found += PENALTY / 8 * ((below + np.sqrt(below**2 + ROUNDED**2)) ** 2).sum((-1, -2))
+        return found
+
+    for i in range(2 * chain.joints):
+        step = 1e-5 * np.eye(chain.unknowns)[i]
+        slope = (energy(q + step) - energy(q - step)) / 2e-5
+        assert chain.forces(q, 0.6)[:, i] == pytest.approx(slope, rel=1e-6, abs=1e-5)
 
 
 def test_the_bones_weigh_what_the_finger_does():

@@ -95,7 +95,7 @@ def read(folder: Path, *kinds: str) -> list[tuple[Case, tuple, list]]:
 def states_of(case: Case, coefficients) -> list[np.ndarray | None]:
     """The rod's q at every pressure."""
     balance = Balance(Chain(case), coefficients)
-    q, here, found = balance.unloaded(rod.WEIGHT_STEPS), 0.0, []
+    q, here, found = balance.unloaded(1), 0.0, []
     for pressure in case.pressures:
         q = None if q is None else rod.towards(balance, q, here, pressure)
         here = pressure

@@ -26,10 +26,9 @@ from handgen.simulation.rod.balance import Balance
 from handgen.simulation.rod.chain import Chain
 from handgen.simulation.rod.known import known
 
-STEP = 0.020
+STEP = 0.030
 """MPa; the longest step of pressure."""
 SHORTEST = 0.0005
-WEIGHT_STEPS = 2
 
 
 def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:
@@ -45,7 +44,7 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
     say, begun = progress or (lambda line: None), time.perf_counter()
     chain = Chain(case)
     balance = Balance(chain, known().coefficients)
-    q, stopped, states, reached = balance.unloaded(WEIGHT_STEPS), "", [], 0.0
+    q, stopped, states, reached = balance.unloaded(1), "", [], 0.0
     if q is None:
         stopped = "the unloaded finger finds no balance"
     here = 0.0

@@ -11,6 +11,8 @@ from handgen.simulation.rod.chain import STRAINS, STRETCHES, Chain
 TOLERANCE = 1e-7
 """N mm, N: largest part of the residual."""
 ITERATIONS = 40
+WEIGHT_STEPS = 8
+"""At most, in which weight is put on."""
 HALVINGS = 8
 TURN = 0.3
 """rad that a joint may turn in one iteration."""
@@ -35,20 +37,20 @@ class Balance:
         self.strip_length = chain.strip_length + reach.sum(1)
 
     def unloaded(self, steps: int) -> np.ndarray | None:
-        """The state without pressure, weight put on in `steps`."""
+        """The state without pressure, weight put on in `steps`, or in more where those do not do."""
         q: np.ndarray | None = np.zeros(self.chain.unknowns)
         for i in range(steps):
             self.share = (i + 1) / steps
             q = self.solve(q, 0.0)
             if q is None:
-                return None
+                return self.unloaded(2 * steps) if 2 * steps <= WEIGHT_STEPS else None
         return q
 
     def solve(self, q: np.ndarray, pressure: float) -> np.ndarray | None:
         """The balance at `pressure`, MPa, from `q` nearby; None: not found."""
         steps = np.vstack([np.zeros(len(q)), SMALL * np.eye(len(q))])
+        rows = self.residual(q + steps, pressure)
         for _ in range(ITERATIONS):
-            rows = self.residual(q + steps, pressure)
             here = rows[0]
             if np.abs(here).max() < TOLERANCE:
                 return q
@@ -60,13 +62,15 @@ class Balance:
             widest = np.abs(step[:self.chain.joints]).max()
             if widest > TURN:
                 step *= TURN / widest
-            length = np.linalg.norm(here)
-            shares = 0.5 ** np.arange(HALVINGS)
-            tried = np.linalg.norm(self.residual(q + shares[:, None] * step, pressure), axis=1)
-            better = np.flatnonzero(tried < length)
-            if not len(better):
+            for _ in range(HALVINGS):
+                # With its slopes at once: most steps are taken whole.
+                rows = self.residual(q + step + steps, pressure)
+                if np.linalg.norm(rows[0]) < np.linalg.norm(here):
+                    break
+                step /= 2
+            else:
                 return None
-            q = q + shares[better[0]] * step
+            q = q + step
         return None
 
     def residual(self, q: np.ndarray, pressure: float) -> np.ndarray:

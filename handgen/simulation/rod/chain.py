@@ -27,8 +27,8 @@ REACH = 0.5
 STRAINS = np.linspace(-0.6, 1.5, 421)
 STRETCHES = np.linspace(0.4, 4.0, 721)
 """Where the laws are tabulated."""
-DIFFERENCE = 1e-4
-"""mm and rad, of the slopes of the potential energy."""
+FLAT = 1e-4
+"""rad; arcs that turn less are taken for flat."""
 PENALTY = 2.0
 """N/mm of each point that is pushed into the plane."""
 ROUNDED = 0.3
@@ -137,49 +137,60 @@ class Chain:
 
     # Places
 
-    def frames(self, q: np.ndarray):
-        """(x, z, flexion) of every bone's start (B, n + 1): joints are arcs of their strips' centroids."""
-        turn, growth = q[:, :self.joints], q[:, self.joints:2 * self.joints]
-        x = z = angle = np.zeros(len(q))
-        found = [(x, z, angle)]
-        for i in range(self.joints):
-            length = self.end[i] - self.start[i]
-            c, s, lever = np.cos(angle), np.sin(angle), self.lever[i]
-            x, z = x + length * c - lever * s, z - length * s - lever * c
-            bend = self.rest[i] + turn[:, i]
-            chord = (self.strip_length[i] + growth[:, i]) * np.sinc(bend / (2 * np.pi))
-            x, z = x + chord * np.cos(angle + bend / 2), z - chord * np.sin(angle + bend / 2)
-            angle = angle + bend
-            x, z = x + lever * np.sin(angle), z + lever * np.cos(angle)
-            found.append((x, z, angle))
-        return tuple(np.stack(parts, -1) for parts in zip(*found, strict=True))
+    def frames(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(z, flexion) of every bone's start (B, n + 1): joints are arcs of their strips' centroids."""
+        bend, chord, lever = self.rest + q[:, :self.joints], self._chords(q)[0], self.lever
+        angle = np.concatenate([np.zeros((len(q), 1)), np.cumsum(bend, 1)], 1)
+        here, there = angle[:, :-1], angle[:, 1:]
+        fall = (-(self.end - self.start)[:-1] * np.sin(here) - chord * np.sin(here + bend / 2)
+                + lever * (np.cos(there) - np.cos(here)))
+        return np.concatenate([np.zeros((len(q), 1)), np.cumsum(fall, 1)], 1), angle
+
+    def _chords(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Chords of the joints' arcs, mm, and their slopes along turn and growth (B, n)."""
+        bend = self.rest + q[:, :self.joints]
+        length, shorter = self.strip_length + q[:, self.joints:2 * self.joints], np.sinc(bend / (2 * np.pi))
+        small = np.abs(bend) < FLAT
+        slope = np.where(small, -bend / 12, (np.cos(bend / 2) - shorter) / np.where(small, 1.0, bend))
+        return length * shorter, length * slope, shorter
 
     def heights(self, frames, along: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """z (B, n + 1, k) of points `along` (n + 1, k) their bones at `radius` palmar of the axis."""
-        _, z, angle = frames
+        z, angle = frames
         u = along - self.start[:, None]
         return z[..., None] - np.sin(angle)[..., None] * u - np.cos(angle)[..., None] * radius
 
-    def potential(self, q: np.ndarray, share: float) -> np.ndarray:
-        """Of `share` of own weight, the tip's weight, and the plane, N mm (B,)."""
-        case, frames = self.case, self.frames(q)
-        height = self.heights(frames, self.centre[:, None], np.zeros((self.joints + 1, 1)))[..., 0]
-        energy = -share * case.gravity[2] * (self.mass * height).sum(-1)
-        if case.tip_loads[0]:
-            tip = self.heights(frames, self.end[:, None], np.zeros((self.joints + 1, 1)))[:, -1, 0]
-            # It pulls along gravity, or palmar without gravity.
-            energy = energy + (-1.0 if case.gravity[2] > 0 else 1.0) * share * case.tip_loads[0] * tip
-        if case.obstacle is not None:
-            energy = energy + PENALTY / 2 * (self._sunk(frames)[0] ** 2).sum((-1, -2))
-        return energy
-
     def forces(self, q: np.ndarray, share: float) -> np.ndarray:
-        """Slopes of `potential` (B, 2n)."""
-        m = 2 * self.joints
-        steps = np.zeros((2 * m, self.unknowns))
-        steps[:m, :m], steps[m:, :m] = DIFFERENCE * np.eye(m), -DIFFERENCE * np.eye(m)
-        energy = self.potential((q[:, None] + steps).reshape(-1, self.unknowns), share).reshape(len(q), 2, m)
-        return (energy[:, 0] - energy[:, 1]) / (2 * DIFFERENCE)
+        """Moments at the joints and pulls at their strips (B, 2n), N mm and N, as slopes of an energy.
+
+        Of `share` of own weight, of the tip's weight, and of the plane.
+        """
+        frames, n = self.frames(q), self.joints
+        angle = frames[1]
+        sine, cosine = np.sin(angle), np.cos(angle)
+        # What pulls on every bone, N, and turns it about its start, N mm.
+        pull = -share * self.case.gravity[2] * self.mass * np.ones((len(q), 1))
+        turn = -pull * cosine * (self.centre - self.start)
+        if self.case.tip_loads[0]:
+            # It pulls along gravity, or palmar without gravity.
+            hung = (-1.0 if self.case.gravity[2] > 0 else 1.0) * share * self.case.tip_loads[0]
+            pull[:, -1] += hung
+            turn[:, -1] -= hung * cosine[:, -1] * (self.end - self.start)[-1]
+        if self.case.obstacle is not None:
+            sunk, slope = self._sunk(frames)
+            push = -PENALTY * sunk * slope
+            pull = pull + push.sum(-1)
+            turn = turn + (push * (sine[..., None] * self.touch_radius - cosine[..., None] * (
+                self.touch - self.start[:, None]))).sum(-1)
+        # A joint carries all that lies beyond it.
+        carried = _beyond(pull)
+        bend, (chord, chord_turn, chord_growth) = self.rest + q[:, :n], self._chords(q)
+        middle, there = angle[:, :-1] + bend / 2, sine[:, 1:]
+        turn[:, :-1] += carried * (self.lever * (sine[:, :-1] - there) - chord * np.cos(middle)
+                                   - (self.end - self.start)[:-1] * cosine[:, :-1])
+        moment = _beyond(turn) - carried * (
+            chord_turn * np.sin(middle) + chord * np.cos(middle) / 2 + self.lever * there)
+        return np.concatenate([moment, -carried * chord_growth * np.sin(middle)], 1)
 
     def _sunk(self, frames) -> tuple[np.ndarray, np.ndarray]:
         """How far points lie below the plane, mm, and its slope: rounded, or Newton's method sticks."""
@@ -195,10 +206,15 @@ class Chain:
 
     def drop(self, q: np.ndarray) -> float:
         """Lowest point of the tip below z = -R(0), mm, as `observe` has it."""
-        _, z, angle = (part[0, -1] for part in self.frames(q[None]))
+        z, angle = (part[0, -1] for part in self.frames(q[None]))
         f = self.profile.finger
         x = np.linspace(f.inner_length - TIP, f.outer_length, 60)
         radius = self.profile.outer_radius(x)
         u = x - self.start[-1]
         lowest = min((z - np.sin(angle) * u - np.cos(angle) * side * radius).min() for side in (-1.0, 1.0))
         return float(-lowest - self.profile.outer(0.0))
+
+
+def _beyond(values: np.ndarray) -> np.ndarray:
+    """Sums over the bones beyond each joint (B, n)."""
+    return np.cumsum(values[:, :0:-1], 1)[:, ::-1]
