@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -13,9 +12,6 @@ from handgen.errors import HandgenError
 from handgen.sweep.load import Prepared
 from handgen.sweep.model import Sweep
 from handgen.sweep.variant import task
-
-MOST = 1000
-"""Best variants that are remembered."""
 
 
 def feasible(sweep: Sweep, row: dict[str, Any]) -> bool:
@@ -46,7 +42,7 @@ def ranked(sweep: Sweep, rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]
     if not sweep.objectives:
         return []
     found = (row for row in rows if feasible(sweep, row))
-    return heapq.nsmallest(MOST, found, key=lambda row: (*_costs(sweep, row), row["variant"]))
+    return sorted(found, key=lambda row: (*_costs(sweep, row), row["variant"]))
 
 
 def _costs(sweep: Sweep, row: dict[str, Any]) -> list[float]:

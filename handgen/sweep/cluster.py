@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import logging
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from handgen.errors import EngineError, InputError, Problem
 from handgen.sweep.variant import Task, version
-from handgen.sweep.work import work
+from handgen.sweep.work import packed, work
 
-AHEAD = 4
-"""Variants in hand for every thread: enough that none waits, few enough that memory stays flat."""
+AHEAD = 2
+"""Batches in hand for every thread: enough that none waits, few enough that memory stays flat."""
+BATCH_S, BATCH = 0.5, 32
+"""Variants go out together for about so many seconds of work, so many at most: a message costs 10 ms."""
+LOG = 10
+"""Messages that Dask remembers for its developers; its usual thousand would hold as many variants."""
 DEATHS = 8
 """Of workers on one variant before Dask gives it up; the attempts' log does so before."""
 PATIENCE = 10.0
 """Seconds that a scheduler may take to answer."""
+DIED = {"status": "killed", "reason": "its worker died again and again", "wall_s": None}
 Job = tuple[str, Task]
 
 
@@ -37,46 +44,61 @@ class Cluster:
         """How many variants can be worked on at once: one a process."""
         return max(1, len(self.client.ncores()))
 
-    def rows(self, jobs: Iterable[Job], folder: str, run: str, limit: float,
-             tick: Callable[[], None] = lambda: None) -> Iterator[tuple[str, dict[str, Any]]]:
-        """(key, row) of every job as it is finished, in no order.
+    def rows(self, jobs: Iterable[Job], left: Callable[[], int], folder: str, run: str, limit: float
+             ) -> Iterator[tuple[str, dict[str, Any]]]:
+        """(key, row) of every job as it is finished, in no order; `left` says how many are still to come.
 
         Raises:
             EngineError: the scheduler is lost, or its workers run another handgen.
         """
         from distributed import as_completed
 
-        waiting, asked = iter(jobs), {}
-        done = as_completed(loop=self.client.loop)
+        waiting, asked, size, numbers = iter(jobs), {}, 1, itertools.count()
+        done = as_completed(loop=self.client.loop, with_results=False)
         made_by = version()
 
+        def submit(batch: list[Job]) -> None:
+            future = self.client.submit(work, packed(batch), folder, run, limit, made_by,
+                                        key=f"variants-{run}-{next(numbers)}", pure=False)
+            asked[future] = batch
+            done.add(future)
+
         def more() -> None:
-            while len(asked) < AHEAD * self.threads and (job := next(waiting, None)) is not None:
-                key, task = job
-                future = self.client.submit(work, key, task, folder, run, limit, made_by,
-                                            key=f"variant-{run}-{key}", pure=False)
-                asked[future] = key
-                done.add(future)
+            most = AHEAD * self.threads
+            while len(asked) < most and (
+                    batch := list(itertools.islice(waiting, max(1, min(size, math.ceil(left() / most)))))):
+                submit(batch)
 
         more()
         while asked:
             future = next(done)
-            key = asked.pop(future)
-            yield key, _row(future)
+            batch = asked.pop(future)
+            found = _rows(future)
+            if found is None and len(batch) > 1:
+                # One of them kills its workers; the others shall not answer for it.
+                for job in batch:
+                    submit([job])
+            else:
+                size = _size(found or []) or size
+                yield from zip((key for key, _ in batch), found or [DIED], strict=True)
             future.release()
-            tick()
             more()
 
 
-def _row(future: Any) -> dict[str, Any]:
-    """What a future came to."""
+def _size(rows: list[dict[str, Any]]) -> int:
+    """How many variants like `rows` make a batch; 0: they do not say."""
+    spent = [row["wall_s"] for row in rows if row.get("wall_s")]
+    return max(1, min(BATCH, int(BATCH_S * len(spent) / sum(spent)))) if spent else 0
+
+
+def _rows(future: Any) -> list[dict[str, Any]] | None:
+    """What a future came to; None if its workers died."""
     from distributed import KilledWorker
 
     try:
         return future.result()
-    except KilledWorker as error:
-        return {"status": "killed", "reason": f"its worker died again and again: {error}"[:400],
-                "wall_s": None}
+    except KilledWorker:
+        return None
     except EngineError:
         raise
     except Exception as error:
@@ -95,7 +117,8 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Cluster]:
 
     settings = {"distributed.scheduler.allowed-failures": DEATHS,
                 "distributed.comm.timeouts.connect": PATIENCE,
-                "distributed.scheduler.worker-saturation": 1.0}
+                "distributed.scheduler.worker-saturation": 1.0,
+                "distributed.admin.low-level-log-length": LOG}
     for name in ("distributed", "tornado", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set(settings), contextlib.ExitStack() as stack:

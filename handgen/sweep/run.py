@@ -6,7 +6,7 @@ import os
 import time
 import uuid
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,8 @@ from handgen.sweep.variant import Task, confirming, task
 from handgen.sweep.work import retried
 
 RESULTS, CONFIRMED = "results.parquet", "confirmed.parquet"
+TOLD = 5
+"""Best variants that a run tells of, whatever it keeps."""
 EVERY = 2.0
 """Seconds between two lines of progress."""
 Progress = Callable[[str], None]
@@ -50,21 +52,21 @@ def run(file: str | os.PathLike, *, out: str | os.PathLike | None = None, worker
         else:
             variants = None
             runner.compute(task(prepared, values) for values in draw.points(prepared.sweep))
-        rows = Rows(prepared, runner.store, variants)
-        table.write(folder / RESULTS, prepared, rows.kinds, rows)
-        best = ranked(prepared.sweep, rows)
+        rows, tally = Rows(prepared, runner.store, variants), Tally(prepared)
+        table.write(folder / RESULTS, prepared, rows.kinds, tally.seen(rows))
+        best = tally.best
         confirmed = _confirm(prepared, runner, best, folder) if prepared.sweep.confirm else []
         # What was screened and not confirmed is not kept.
         chosen = ranked(prepared.sweep, confirmed) if prepared.sweep.confirm else best
         kept = save_kept(prepared, chosen[:prepared.kept], folder, say)
-    counts = Counter(row["status"] for row in rows)
+    counts = tally.statuses
     return {
         "schema": "handgen.sweep-run/1", "name": prepared.sweep.name, "out": str(folder),
         "results": str(folder / RESULTS), "variants": sum(counts.values()), "computed": runner.computed,
         "reused": sum(counts.values()) - runner.computed_screening, "statuses": dict(counts),
-        "feasible": sum(feasible(prepared.sweep, row) for row in rows),
+        "feasible": tally.feasible,
         "axes": list(prepared.sweep.vary), "objectives": prepared.sweep.objectives,
-        "constraints": list(prepared.sweep.constraints), "best": best[:max(5, prepared.kept)],
+        "constraints": list(prepared.sweep.constraints), "best": best[:max(TOLD, prepared.kept)],
         "confirmed": confirmed, "kept": kept,
         "wall_s": round(time.perf_counter() - begun, 3),
     }
@@ -112,14 +114,13 @@ class Runner:
         if first is None:
             return
         clock = _Clock(lambda line: self.say(said + line), lambda: self.cluster.threads)
-        for key, row in self.rows(_after(first, missing)):
+        for key, row in self.cluster.rows(_after(first, missing), missing.left, str(self.store.folder),
+                                          self.run, self.limit):
             self.keep(key, row)
+            missing.asked.discard(key)
             clock.tick(missing.total)
         self.computed_screening = self.computed
         clock.last(missing.total)
-
-    def rows(self, jobs: Iterator[Job]) -> Iterator[tuple[str, dict[str, Any]]]:
-        return self.cluster.rows(jobs, str(self.store.folder), self.run, self.limit)
 
     def keep(self, key: str, row: dict[str, Any]) -> None:
         """A worker that shares this disk has kept its row already."""
@@ -132,7 +133,13 @@ class Missing:
     """Jobs that the store has no row for, each once; counts as it goes."""
 
     def __init__(self, runner: Runner, tasks: Iterator[Task], total: int):
-        self.runner, self.tasks, self.seen, self.total = runner, tasks, set(), total
+        self.runner, self.tasks, self.total, self.taken = runner, tasks, total, 0
+        self.asked: set[str] = set()
+        """What is on its way to the store."""
+
+    def left(self) -> int:
+        """How many may still come."""
+        return self.total - self.taken
 
     def __iter__(self) -> Missing:
         return self
@@ -140,10 +147,11 @@ class Missing:
     def __next__(self) -> Job:
         for one in self.tasks:
             key = one.key
-            if key in self.seen or self.runner.known(key) is not None:
+            if key in self.asked or self.runner.known(key) is not None:
                 self.total -= 1
                 continue
-            self.seen.add(key)
+            self.asked.add(key)
+            self.taken += 1
             return key, one
         raise StopIteration
 
@@ -195,6 +203,31 @@ class Rows:
             key = self.by(task(self.prepared, values)).key
             row = self.store.read(key) or {"status": "failed", "reason": "the store has lost it"}
             yield {"variant": number, "hash": key, **values, **row}
+
+
+class Tally:
+    """What a run says of its rows, counted as they go by: no more than the best of them stay in memory."""
+
+    def __init__(self, prepared: Prepared):
+        self.sweep, self.statuses, self.feasible = prepared.sweep, Counter(), 0
+        self._best: list[dict[str, Any]] = []
+        self.most = max(TOLD, prepared.kept, prepared.sweep.confirm.best if prepared.sweep.confirm else 0)
+
+    def seen(self, rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+        """`rows`, counted."""
+        for row in rows:
+            self.statuses[row["status"]] += 1
+            if feasible(self.sweep, row):
+                self.feasible += 1
+                self._best.append(row)
+                if len(self._best) > 2 * self.most:
+                    self._best = self.best
+            yield row
+
+    @property
+    def best(self) -> list[dict[str, Any]]:
+        """The best so far, the best first."""
+        return ranked(self.sweep, self._best)[:self.most]
 
 
 def _confirm(prepared: Prepared, runner: Runner, best: list[dict], folder: Path) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ from handgen.sweep import results
 from handgen.sweep.load import Prepared
 from handgen.sweep.model import Sweep
 
-BLOCK = 2000
+BLOCK = 500
 """Rows in memory at once."""
 META = b"handgen"
 """Key of the sweep's description in the file."""

@@ -1,12 +1,15 @@
-"""What runs on a worker: one variant at a time, watched over, its row durable before it returns."""
+"""What runs on a worker: one variant after another, watched over, its row durable before the next begins."""
 
 from __future__ import annotations
 
 import contextlib
 import faulthandler
 import os
+import pickle
 import sys
 import threading
+import zlib
+from collections.abc import Sequence
 from typing import Any
 
 from handgen.errors import EngineError
@@ -19,17 +22,28 @@ _alone = threading.Lock()
 """A process bends one variant at a time, however many threads its worker was given."""
 
 
-def work(key: str, task: Task, folder: str, run: str, limit: float, made_by: str) -> dict[str, Any]:
-    """The row of `task`, from the store in `folder` or computed within `limit` seconds.
+def packed(jobs: Sequence[tuple[str, Task]]) -> bytes:
+    """`jobs` for the way to a worker: what variants share is in it once."""
+    return zlib.compress(pickle.dumps(list(jobs)), 1)
 
-    A process that hangs, even in compiled code, is ended by the interpreter's watchdog; the scheduler starts
-    the variant again elsewhere, which finds in the attempts' log what happened.
+
+def work(jobs: bytes, folder: str, run: str, limit: float, made_by: str) -> list[dict[str, Any]]:
+    """The rows of `packed` jobs, from the store in `folder` or computed within `limit` seconds each.
 
     Raises:
         EngineError: this worker's handgen is another one than the parent's (`made_by`).
     """
     if made_by != version():
         raise EngineError("this worker runs another version of handgen than the sweep's parent")
+    return [_row(key, task, folder, run, limit) for key, task in pickle.loads(zlib.decompress(jobs))]
+
+
+def _row(key: str, task: Task, folder: str, run: str, limit: float) -> dict[str, Any]:
+    """The row of `task`.
+
+    A process that hangs, even in compiled code, is ended by the interpreter's watchdog; the scheduler starts
+    the variant again elsewhere, which finds in the attempts' log what happened.
+    """
     with _alone:
         store = Store(folder)
         if (row := store.read(key)) is not None and not retried(row, limit):
