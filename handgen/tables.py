@@ -219,6 +219,9 @@ def diagnosed(document: dict[str, Any], folder: str, style: Style) -> str:
     for effect in document["effects"]:
         lines.append(f"  {100 * effect['probability']:.1f} %  {effect['sentence']}")
     head = f"{'error at loads left out of the fit':<36}"
+    if word == "ambiguous":
+        lines += [f"  {' or '.join(one['ids'][:4])}: no reading here tells them apart"
+                  for one in document["classes"] if len(one["ids"]) > 1]
     lines += ["", head + "".join(f"{word:>11}" for word in ("as it was", "re-tuned", "patched"))]
     for test in document["gap"]["tests"]:
         gaps = [test["held_out"][state] for state in ("before", "retuned")]

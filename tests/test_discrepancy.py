@@ -153,7 +153,7 @@ def test_twins_are_told_as_a_class_and_the_test_that_parts_them_is_asked_for():
     found = score(wide, seen)
     said = verdict(found)
     assert said.word == "ambiguous" and set(said.effects) == {"slide", "glide"}
-    assert set(said.alike) == {"slide", "glide"}
+    assert set(said.alike) == {"slide", "glide"} and said.classes == (said.alike,)
     asked = ask.next_test(found, ["angle", "up"], {"tip_drop": 0.5, "bend_angle": 1.0})
     assert asked.test == "angle" and set(asked.separates) >= {"slide", "glide"}
     rng = np.random.default_rng(3)

@@ -42,6 +42,10 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
             }
             for h in found.scores.hypotheses
         ],
+        "classes": [
+            {"ids": list(ids), "probability": sum(found.scores[one].probability for one in ids)}
+            for ids in found.verdict.classes
+        ],
         "where": _where(found),
         "located": [_located(one) for one in found.located],
         "gap": {

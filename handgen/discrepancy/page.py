@@ -17,6 +17,8 @@ WORDS = {
     "ambiguous": "Several explanations fit; these readings cannot decide between them.",
     "outside": "The model is wrong in a way that no known effect explains.",
 }
+SPELT = 3
+"""Explanations of a class that are spelt out beside the first."""
 CHECKS = {
     "datasheet": "Data sheet against law",
     "mass": "Balance against model",
@@ -57,14 +59,22 @@ def _verdict(d: dict[str, Any], names: dict[str, str]) -> str:
         lines += [f'{escape(e["sentence"])}. <span class="quiet">{_percent(e["probability"])} sure.</span>'
                   for e in d["effects"]]
     elif d["verdict"] == "ambiguous":
-        shown = [c for c in d["candidates"] if c["probability"] >= 0.02]
-        lines.append("Still possible: " + "; ".join(
-            f"{escape(names.get(c['id'], c['id']))} ({_percent(c['probability'])})" for c in shown) + ".")
+        lines.append("Still possible: " + "; ".join(_class(one, names) for one in d["classes"]) + ".")
     elif d["verdict"] == "outside":
         lines.append("The remaining error was learned as a smooth curve over the load. That curve is no "
                      "physics: do not use it beyond the loads that were measured.")
     lines += [line for line in (_promise(d),) if line]
     return '<div class="verdict">' + "<br>".join(lines) + "</div>"
+
+
+def _class(one: dict[str, Any], names: dict[str, str]) -> str:
+    """Explanations that no reading at hand tells apart."""
+    first, *others = [escape(names.get(name, name)) for name in one["ids"]]
+    if not others:
+        return f"<b>{first}</b> ({_percent(one['probability'])})"
+    more = f" or {len(others) - SPELT} more" if len(others) > SPELT else ""
+    return (f"<b>{first}</b> or, which reads the same, {', '.join(others[:SPELT])}{more} "
+            f"({_percent(one['probability'])} together)")
 
 
 def _promise(d: dict[str, Any]) -> str:

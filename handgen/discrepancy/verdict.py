@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from handgen.discrepancy.classes import class_of
+from handgen.discrepancy.classes import classes
 from handgen.discrepancy.hypothesis import Hypothesis
 from handgen.discrepancy.score import NONE, OUTSIDE, Scores
 
@@ -34,12 +34,17 @@ class Verdict:
     """Of what is said."""
     candidates: tuple[str, ...]
     """The smallest set of explanations that holds COVERED."""
-    alike: tuple[str, ...]
-    """Explanations that these tests cannot tell from the best, itself first."""
+    classes: tuple[tuple[str, ...], ...]
+    """The same set, explanations that predict the same readings taken together, the most probable first."""
     vetoed: bool
     """The most probable explanation does not fit."""
     known: tuple[str, ...] = ()
     """Effects that a direct check shows to be missing, and that the readings do not deny."""
+
+    @property
+    def alike(self) -> tuple[str, ...]:
+        """Explanations that these tests cannot tell from the best, itself among them."""
+        return next((one for one in self.classes if self.best.id in one), (self.best.id,))
 
 
 def verdict(scores: Scores) -> Verdict:
@@ -51,10 +56,10 @@ def verdict(scores: Scores) -> Verdict:
         best = scores[known[0]]
     held = covering(scores)
     vetoed = best.p_value < MISFIT and best.id != OUTSIDE
-    alike = class_of(scores, best.id, held) if best.ids else (best.id,)
+    parted = tuple(classes(scores, held))
 
     def said(word: Word, effects: tuple[str, ...], probability: float, shown: Hypothesis = best) -> Verdict:
-        return Verdict(word, effects, shown, probability, held, alike, vetoed, known)
+        return Verdict(word, effects, shown, probability, held, parted, vetoed, known)
 
     outside = sum(h.probability for h in scores.hypotheses if h.id.split("+")[-1] == OUTSIDE)
     if best.id == OUTSIDE or vetoed:

@@ -122,14 +122,13 @@ def beyond(moved: dict[str, np.ndarray], problem) -> float:
 
 def said(scores) -> dict:
     """Verdict and probabilities."""
-    from handgen.discrepancy.classes import classes
     from handgen.discrepancy.verdict import verdict
 
     found = verdict(scores)
     shares = {h.id: round(h.probability, 6) for h in scores.hypotheses[:25]}
     return {"word": found.word, "effects": found.effects, "probability": found.probability,
             "best": found.best.id, "alike": found.alike, "candidates": found.candidates,
-            "classes": len(classes(scores, found.candidates)),
+            "classes": found.classes,
             "vetoed": bool(found.vetoed),
             "p": found.best.p_value, "shares": shares,
             "present": {name: round(scores.present(name), 5) for name in scores.problem.library.responses}}

@@ -153,15 +153,15 @@ def _calibration(kinds) -> list[str]:
     high = sure >= 0.9
     inside = np.array([any(holds(r, c) for c in r["candidates"]) for r, _ in rows], float)
     size = np.array([len(r["candidates"]) for r, _ in rows], float)
-    told = np.array([r["classes"] for r, _ in rows], float)
+    told = np.array([len(r["classes"]) for r, _ in rows], float)
     lines.append(f"  calibration error {error:.3f}   [<= 0.05]")
     if high.any():
         lines.append(f"  right at >= 0.9: {100 * (correct[high] @ weights[high]) / weights[high].sum():.1f} "
                      f"% weighed; "
                      f"{share(int(correct[high].sum()), int(high.sum()))}   [>= 90]")
     lines.append(f"  90 % set holds the truth: {100 * inside @ weights:.1f} % weighed; "
-                 f"{share(int(inside.sum()), len(inside))}, mean size {size @ weights:.2f}, in classes "
-                 f"that predict the same {told @ weights:.2f}   [>= 90, <= 2.5]")
+                 f"{share(int(inside.sum()), len(inside))}, mean size {told @ weights:.2f} classes "
+                 f"that predict the same, as reported; {size @ weights:.2f} explanations   [>= 90, <= 2.5]")
     return lines
 
 
