@@ -220,8 +220,9 @@ def diagnosed(document: dict[str, Any], folder: str, style: Style) -> str:
         lines.append(f"  {100 * effect['probability']:.1f} %  {effect['sentence']}")
     head = f"{'error at loads left out of the fit':<36}"
     if word == "ambiguous":
-        lines += [f"  {' or '.join(one['ids'][:4])}: no reading here tells them apart"
-                  for one in document["classes"] if len(one["ids"]) > 1]
+        for ids in (one["ids"] for one in document["classes"] if len(one["ids"]) > 1):
+            more = [f"{len(ids) - 4} more"] if len(ids) > 4 else []
+            lines.append(f"  {' or '.join(ids[:4] + more)}: no reading here tells them apart")
     lines += ["", head + "".join(f"{word:>11}" for word in ("as it was", "re-tuned", "patched"))]
     for test in document["gap"]["tests"]:
         gaps = [test["held_out"][state] for state in ("before", "retuned")]
@@ -230,6 +231,9 @@ def diagnosed(document: dict[str, Any], folder: str, style: Style) -> str:
         lines.append(f"{name:<36}" + "".join(f"{'-' if g is None else f'{g:.2f}':>11}" for g in gaps))
     if document["next_test"]:
         lines += ["", f"measure next: {document['next_test']['words']}"]
+    if document["measure_directly"]:
+        one = document["measure_directly"]
+        lines += ["", f"or settle {one['name']} without any model: {one['how']}"]
     if document["flags"]:
         lines += ["", *(f"noticed: {flag}" for flag in document["flags"])]
     return "\n".join([*lines, "", f"see {folder}/diagnosis.html; the model: {document['model']}"])

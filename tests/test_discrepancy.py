@@ -2,11 +2,12 @@
 properties."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from handgen.discrepancy import ask, gaussian, law, outside
+from handgen.discrepancy import ask, gaussian, law, outside, untold
 from handgen.discrepancy.library import Library, Series, same_state
 from handgen.discrepancy.locate import compared, locate
 from handgen.discrepancy.observed import Observed, Readings
@@ -160,6 +161,27 @@ def test_twins_are_told_as_a_class_and_the_test_that_parts_them_is_asked_for():
     done = Readings("angle", truth(wide, glide=1.0)[wide.points("angle")] + rng.standard_normal((3, 3)), 0.5)
     settled = verdict(score(wide, Observed((*seen.tests, done))))
     assert (settled.word, settled.effects) == ("named", ("glide",))
+
+
+def test_what_only_another_kind_of_test_tells_apart_is_one_class_until_it_is_done(monkeypatch):
+    """However probable: a curl that creeps in is a curl to a test that only goes up."""
+    creeping = SimpleNamespace(told_by={"curl": ("hold",)})
+    monkeypatch.setattr(untold, "catalogue", lambda: {"soft": creeping})
+    wide = library((*TESTS, *MORE))
+    held = replace(wide, tests=tuple(
+        replace(test, path="hold") if test.id == "angle" else test for test in wide.tests))
+    seen = readings(held, truth(held, curl=1.2))
+    found = score(held, seen)
+    said = verdict(found)
+    assert (said.word, said.effects, said.untold) == ("ambiguous", ("curl", "soft"), ("curl", "soft"))
+    assert said.classes[0] == ("curl", "soft") and said.probability >= 0.9
+    blunt = {"tip_drop": 0.5, "bend_angle": 1.0}
+    assert ask.next_test(found, ["up", "angle"], blunt, said.untold).test == "angle"
+    assert ask.next_test(found, ["up"], blunt, said.untold) is None
+    done = Readings("angle", truth(held, curl=1.2)[held.points("angle")]
+                    + np.random.default_rng(3).standard_normal((3, 3)), 0.5)
+    settled = verdict(score(held, Observed((*seen.tests, done))))
+    assert (settled.word, settled.effects) == ("named", ("curl",))
 
 
 def test_a_size_that_only_an_unread_test_cannot_predict_stays_possible():

@@ -8,18 +8,19 @@ explanation cannot choose the test.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import OUTSIDE, Grid, Scores
+from handgen.discrepancy.untold import telling
 
 TOLD = 0.7
 """Bhattacharyya's coefficient below which a test helps to tell two explanations apart: of two as probable as
 each other, at most half of it is taken for the wrong one."""
-WORTH = 0.05
+WORTH = 0.01
 """Gain below which no test is worth doing."""
 LIKELY = 0.02
 """Probability below which an explanation is not asked about."""
@@ -36,14 +37,26 @@ class Proposal:
     """Explanations that it tells from the most probable one, and that one."""
 
 
-def next_test(scores: Scores, candidates: Sequence[str], sigmas: Mapping[str, float]) -> Proposal | None:
+def next_test(scores: Scores, candidates: Sequence[str], sigmas: Mapping[str, float],
+              untold: Sequence[str] = ()) -> Proposal | None:
     """The best of `candidates`, tests of the library that were not done yet; None if none tells anything.
 
-    `sigmas`: of a mean reading, by quantity, in its unit.
+    `sigmas`: of a mean reading, by quantity, in its unit. `untold`: effects that are to be parted first.
     """
+    if untold:
+        paths = set().union(*(telling(*two) for two in combinations(untold, 2)))
+        able = {test.id for test in scores.problem.library.tests if test.path in paths}
+        scores, candidates = _even(scores, untold), [name for name in candidates if name in able]
     found = [proposal(scores, name, sigmas) for name in candidates]
     best = max(found, key=lambda one: one.gain, default=None)
     return best if best is not None and best.gain >= WORTH else None
+
+
+def _even(scores: Scores, ids: Sequence[str]) -> Scores:
+    """Each of `ids` alone is as probable as the others, and nothing else is: what was believed of them before
+    counts for nothing."""
+    kept = [replace(h, probability=1 / len(ids)) for h in scores.hypotheses if h.id in ids]
+    return replace(scores, hypotheses=tuple(kept))
 
 
 def proposal(scores: Scores, test: str, sigmas: Mapping[str, float]) -> Proposal:

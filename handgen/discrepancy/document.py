@@ -67,6 +67,7 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
             "tests": _test_gaps(found),
         },
         "next_test": _next(found),
+        "measure_directly": _directly(found),
         "model": model_file,
         "patch": list(found.patched.effects()),
         "retuned": _nuisances(found, retuned),
@@ -215,6 +216,15 @@ def _next(found: Diagnosis) -> dict[str, Any] | None:
         "gain": _number(proposal.gain),
         "words": words(test),
     }
+
+
+def _directly(found: Diagnosis) -> dict[str, Any] | None:
+    """The direct measurement of the effect that it is most open about, where nothing is named."""
+    if found.verdict.word != "ambiguous" or not found.verdict.effects:
+        return None
+    name = max(found.verdict.effects, key=lambda one: -abs(found.scores.present(one) - 0.5))
+    effect = catalogue()[name]
+    return {"effect": name, "name": effect.name, "how": effect.settle}
 
 
 def _nuisances(found: Diagnosis, fitted) -> dict[str, float]:

@@ -226,7 +226,10 @@ def _next(d: dict[str, Any]) -> Iterator[str]:
         yield ("<p>No test can be proposed for what is unknown. Repeat the test that is furthest off, with "
                "more loads where it is, and look at what the finger does there.</p>")
     else:
-        yield "<p>No test on these set-ups would decide; measure one of the effects above directly.</p>"
+        yield "<p>No test on these set-ups would decide.</p>"
+    if d["measure_directly"] is not None:
+        one = d["measure_directly"]
+        yield f"<p>Without any model, {escape(one['name'])} is settled so: {escape(one['how'])}.</p>"
 
 
 def _checks(d: dict[str, Any], names: dict[str, str]) -> Iterator[str]:

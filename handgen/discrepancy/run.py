@@ -171,7 +171,7 @@ def _next(simulation: Simulation, said: Verdict, observed) -> tuple[Test, Propos
     wider = replace(simulation, tests=(*simulation.tests, *asked))
     library = simulated.library(wider, only=said.effects, members=simulated.FEW)
     scores = score_problem(Problem.of(library, observed))
-    proposal = next_test(scores, [test.id for test in asked], SIGMAS)
+    proposal = next_test(scores, [test.id for test in asked], SIGMAS, said.untold)
     return None if proposal is None else (next(t for t in asked if t.id == proposal.test), proposal)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from handgen.discrepancy.classes import classes
 from handgen.discrepancy.hypothesis import Hypothesis
 from handgen.discrepancy.score import NONE, OUTSIDE, Scores
+from handgen.discrepancy.untold import untold
 
 Word = Literal["none", "named", "pair", "ambiguous", "outside"]
 SURE = 0.9
@@ -40,6 +41,8 @@ class Verdict:
     """The most probable explanation does not fit."""
     known: tuple[str, ...] = ()
     """Effects that a direct check shows to be missing, and that the readings do not deny."""
+    untold: tuple[str, ...] = ()
+    """Effects of one class that would else be named by the first: only a test of another kind parts them."""
 
     @property
     def alike(self) -> tuple[str, ...]:
@@ -69,12 +72,24 @@ def verdict(scores: Scores) -> Verdict:
             return said("none", (), best.probability)
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
     if len(best.ids) == 2 and best.probability >= SURE and not _one_may_do(scores, best):
-        return said("pair", best.ids, best.probability)
+        return _parted(said("pair", best.ids, best.probability), scores)
     # One effect may be certain where it is open whether another one is there as well
     sure = [name for name in best.ids if scores.present(name) >= SURE and scores[name].p_value >= MISFIT]
     if len(sure) == 1:
-        return said("named", (sure[0],), scores.present(sure[0]), scores[sure[0]])
+        return _parted(said("named", (sure[0],), scores.present(sure[0]), scores[sure[0]]), scores)
     return said("ambiguous", _effects(scores, held), _sum(scores, held))
+
+
+def _parted(named: Verdict, scores: Scores) -> Verdict:
+    """`named`, or a class where one of its effects cannot be told from others by any test that was done."""
+    for name in named.effects:
+        if others := untold(scores, name):
+            ids = (name, *others)
+            held = tuple(dict.fromkeys((*ids, *named.candidates)))
+            rest = [tuple(one for one in group if one not in ids) for group in named.classes]
+            return replace(named, word="ambiguous", effects=tuple(dict.fromkeys((*named.effects, *ids))),
+                           candidates=held, untold=ids, classes=(ids, *(group for group in rest if group)))
+    return named
 
 
 def _one_may_do(scores: Scores, pair: Hypothesis) -> bool:

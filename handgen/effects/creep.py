@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import MappingProxyType
 
 from handgen.effects.effect import Effect
 from handgen.effects.parameter import Parameter, Prior
@@ -25,6 +26,7 @@ class Creep(Effect):
     parameters = (Parameter(
         "rate", "1", 0.0, 0.2, 0.0, Prior("lognormal", (0.06, 0.7)),
         "share of stiffness lost a decade of time, from 10 s on"),)
+    told_by = MappingProxyType({"silicone_softening": ("hold",)})
 
     def on_course(self, course, p):
         return [p["rate"] * math.log10(1.0 + time / KNOWN) for time in course.elapsed]

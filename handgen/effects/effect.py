@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from handgen.effects.course import Course
@@ -35,6 +36,8 @@ class Effect:
     settle: str
     """The direct measurement that settles it."""
     parameters: tuple[Parameter, ...]
+    told_by: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    """Effects that show the same until a test goes a certain way (its `path`): effect -> paths that tell."""
 
     def on_hand(self, hand: Hand, p: Values) -> Hand:
         """The hand as it really is."""

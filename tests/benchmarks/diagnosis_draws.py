@@ -82,11 +82,19 @@ class Hidden:
                 self.written[name] = Readings(name, repeats, RESOLUTION[self.records[name].test.quantity])
         return Observed(tuple(self.written.values()))
 
-    def shift(self, test: Series) -> np.ndarray:
-        """How far the hidden moves every mean reading, in the test's unit."""
+    def without(self, name: str) -> World:
+        """The same finger with what is hidden but `name`."""
+        world = self.plain
+        for other in self.draw.hidden:
+            if other != name:
+                world, _ = (EFFECTS | OUTSIDE)[other](world, self.draw.rng(f"size {other}"))
+        return world
+
+    def shift(self, test: Series, world: World | None = None) -> np.ndarray:
+        """How far the hidden moves every mean reading, in the test's unit; beyond `world`, else all of it."""
         order = list(self.records).index(test.id)
         one = asked(test)
-        plain = np.mean([run(self.plain, one, k, order) for k in range(self.draw.repeats)], axis=0)
+        plain = np.mean([run(world or self.plain, one, k, order) for k in range(self.draw.repeats)], axis=0)
         return self.records[test.id].truth.mean(axis=0) - plain
 
 

@@ -81,7 +81,8 @@ def tables(rows: Rows) -> str:
 
 def seen(kinds, least: float = 6.0, kind: str = "single") -> Rows:
     """Draws whose effect can be seen at all, beyond what the model leaves open."""
-    return [row for row in kinds[kind] if row["hidden"] and row[MEASURE] >= least]
+    of = kinds[kind] + (kinds["large"] if kind == "single" else [])
+    return [row for row in of if row["hidden"] and row[MEASURE] >= least]
 
 
 def _naming(kinds) -> list[str]:
@@ -112,6 +113,9 @@ def _silence(kinds) -> list[str]:
         f"  nothing hidden, names           {part(kinds['none'], names)}   [<= 5]",
         f"  nothing hidden, says none       {part(kinds['none'], lambda r: r['word'] == 'none')}",
         f"  outside the catalogue, names    {part(kinds['outside'], names)}   [<= 5]",
+        f"  with asked-for tests, nothing hidden: names {part(asked_for(kinds['none']), names)}, "
+        f"{_extra(kinds['none']):.2f} more tests; outside: names {part(asked_for(kinds['outside']), names)}, "
+        f"{_extra(kinds['outside']):.2f}   [<= 5]",
         "  outside: outside or ambiguous   "
         f"{part(kinds['outside'], lambda r: r['word'] in ('outside', 'ambiguous'))}   [>= 85]",
         "  effect struck off, false name   "
@@ -119,6 +123,11 @@ def _silence(kinds) -> list[str]:
         f"  ... name of the same class      "
         f"{part(without, lambda r: names(r) and same_class(r, r['hidden']))}",
     ]
+
+
+def _extra(rows: Rows) -> float:
+    """Tests that were asked for, a finger."""
+    return float(np.mean([len(row["asked"]["best"]["tests"]) for row in rows])) if rows else 0.0
 
 
 def truth(row: dict) -> str:
@@ -178,14 +187,22 @@ def _asking(kinds) -> list[str]:
 
 
 def _pairs(kinds) -> list[str]:
-    lines = ["5 pairs"]
-    for words, rows in (("three tests", kinds["pair"]),
-                        ("asked-for ", [{**r, **r["asked"]["best"]} for r in kinds["pair"]])):
+    lines = ["5 pairs, and those in which each moves the readings by >= 6 sigma beyond the other"]
+    for words, rows in (("three tests", kinds["pair"]), ("asked-for", asked_for(kinds["pair"])),
+                        ("large, three tests", kinds["large pair"]),
+                        ("large, asked-for", asked_for(kinds["large pair"]))):
         told = [row for row in rows if names(row)]
-        each = [(name, row) for row in told for name in row["effects"]]
+        each = [(name, row["hidden"]) for row in told for name in row["effects"]]
+        alike = [name in of or same_class({"effects": [name]}, of) for name, of in each]
         lines.append(f"  {words}: both named {part(rows, right)}; one or both named {part(rows, names)}; "
-                     f"each name right {share(sum(n in r['hidden'] for n, r in each), len(each))}")
+                     f"each name right {share(sum(name in of for name, of in each), len(each))}, or of "
+                     f"the same class {share(sum(alike), len(each))}")
     return lines
+
+
+def asked_for(rows: Rows) -> Rows:
+    """What is said after the tests that were asked for."""
+    return [{**row, **row["asked"]["best"]} for row in rows]
 
 
 def _gap(kinds) -> list[str]:
