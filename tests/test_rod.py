@@ -13,6 +13,7 @@ from handgen.simulation import rod, solid
 from handgen.simulation.rod.balance import Balance
 from handgen.simulation.rod.chain import PENALTY, ROUNDED, Chain
 from handgen.simulation.rod.known import known, measures, state_measures
+from handgen.simulation.system import System
 from handgen.sweep import draw
 from handgen.sweep.evaluate import evaluate
 from handgen.sweep.load import prepare
@@ -139,10 +140,33 @@ def test_an_effect_that_it_does_not_know_is_refused():
         rod.simulate(replace(plain, edges_left=0.5))
 
 
+@pytest.mark.parametrize("angle", [45, 90, 110, 150])
+def test_the_tip_that_meets_a_plane_is_round_on_its_back_too(angle):
+    """Both models' points reach as low as the tip's outline; beyond 90 degrees that is its dorsal side."""
+    asked = case(obstacle=40)
+    f, outer = asked.finger.finger, asked.finger.outer_radius
+    x = np.linspace(f.inner_length, f.outer_length, 2000)
+    outline = np.stack([np.r_[x, x], np.r_[-outer(x), outer(x)]])
+    chain, system = Chain(asked), System(asked)
+    last = system.plane_bodies == system.plane_bodies.max()
+    down = np.array([-math.sin(math.radians(angle)), math.cos(math.radians(angle))])
+    for points in (np.stack([chain.touch[-1], -chain.touch_radius[-1]]), system.plane_points[last][:, ::2].T):
+        assert (down @ points).min() == pytest.approx((down @ outline).min(), abs=0.05)
+
+
 def test_a_nearer_plane_is_pushed_harder():
     near, far = (rod.simulate(case(pressures="0,80", obstacle=d)).states[1].tip_force for d in (20, 40))
     free = rod.simulate(case(pressures="0", obstacle=60)).states[0].tip_force
     assert near > far > 0 and free < 1e-5
+
+
+def test_a_force_that_is_not_found_says_why(tmp_path):
+    """A long slot under a soft strip lets the tip roll under the finger."""
+    one = prepare(sweep_file(tmp_path, solver="rod", bend={"pressures": [60]}, vary={
+        "force.obstacle": [40]}, force={"pressure": 150, "obstacle": 40}))
+    row = evaluate(task(one, next(draw.points(one.sweep))))
+    assert row["status"] == "done" and row["fingertip_force_N"] is None
+    assert "no force: the rod finds no balance on the way to" in row["flags"]
 
 
 def test_a_sweep_by_the_rod(tmp_path):

@@ -193,7 +193,10 @@ class System:
         self.plane_points, self.plane_bodies, self.plane_areas = self._plane()
 
     def _plane(self):
-        """Points of the bones' palmar outside, straight, their bones, and the area of each, mm2."""
+        """Points of the bones' palmar outside, straight, their bones, and the area of each, mm2.
+
+        The rounded tip has a back too: what is bent past 90 degrees stands on it.
+        """
         if self.case.obstacle is None or self.bones is None:
             return np.zeros((0, 3)), np.zeros(0, int), np.zeros(0)
         profile, points, bodies, areas = self.case.finger, [], [], []
@@ -206,7 +209,11 @@ class System:
                 dome = profile.finger.inner_length + (profile.length - profile.finger.inner_length) * np.sin(
                     np.linspace(0, np.pi / 2, 31))
                 x = np.concatenate([x[x < dome[0] - 0.25], dome])
-            points.append(np.stack([x, 0 * x, -profile.outer_radius(x)], -1))
+            radius = profile.outer_radius(x)
+            if last:
+                back = dome[-2::-1]
+                x, radius = np.concatenate([x, back]), np.concatenate([radius, -profile.outer_radius(back)])
+            points.append(np.stack([x, 0 * x, -radius], -1))
             bodies.append(np.full(len(x), b))
             areas.append(np.full(len(x), 1.0))
         return np.vstack(points), np.concatenate(bodies), np.concatenate(areas)

@@ -20,7 +20,7 @@ from handgen.geometry.profile import FingerProfile
 from handgen.parameters.load import Loaded, loaded
 from handgen.parameters.model import Hand
 from handgen.sweep import mass, results
-from handgen.sweep.model import Bending
+from handgen.sweep.model import Bending, Force
 from handgen.sweep.variant import Task, bending, force
 
 LONGEST = 400
@@ -72,11 +72,7 @@ def _fill(row: dict[str, Any], task: Task) -> None:
         _weigh(row, hand, bend, limits)
         _bend(row, task, loading, model, bend)
         if pushed is not None and row["status"] == "done":
-            asked = request(loading, model=model, finger=bend.finger, orientation=bend.orientation,
-                            solver=task.solver, refine=bend.refine, obstacle=pushed.obstacle,
-                            pressures=[pushed.pressure / 2, pushed.pressure])
-            last = solve(asked, keep=False).curve.states[-1]
-            row["fingertip_force_N"] = last.tip_force if last.converged else None
+            _push(row, task, loading, model, bend, pushed)
     except InputError as error:
         raise _EndedError("refused", _told(error)) from error
     except GeometryError as error:
@@ -152,6 +148,18 @@ def _bend(row: dict[str, Any], task: Task, loading: Loaded, model: BendModel, be
     row["unknowns"], row["factorisations"] = found.curve.unknowns, found.curve.factorisations
     if not found.complete:
         row["status"], row["reason"] = "incomplete", _short(found.reached)
+
+
+def _push(row: dict[str, Any], task: Task, loading: Loaded, model: BendModel, bend: Bending,
+          pushed: Force) -> None:
+    """The fingertip's force; a finger that does not come to rest on the plane is flagged, and has none."""
+    asked = request(loading, model=model, finger=bend.finger, orientation=bend.orientation,
+                    solver=task.solver, refine=bend.refine, obstacle=pushed.obstacle,
+                    pressures=[pushed.pressure / 2, pushed.pressure])
+    last = solve(asked, keep=False).curve.states[-1]
+    row["fingertip_force_N"] = last.tip_force if last.converged else None
+    if not last.converged:
+        row["flags"] = _short("; ".join(filter(None, [row["flags"], f"no force: {last.note}"])))
 
 
 def _told(error: InputError) -> str:

@@ -33,8 +33,10 @@ PENALTY = 2.0
 """N/mm of each point that is pushed into the plane."""
 ROUNDED = 0.3
 """mm over which a point begins to push."""
-TOUCHING = 7
+TOUCHING = 25
 """Points of a bone that may meet it."""
+TIP_PALMAR = 4
+"""Of the last one's before its rounded tip."""
 
 
 class Chain:
@@ -123,9 +125,13 @@ class Chain:
         self.mass, self.centre = mass, first / mass
         share = np.linspace(0.0, 1.0, TOUCHING)
         self.touch = self.start[:, None] + (self.end - self.start)[:, None] * share
-        # The rounded tip is where a finger meets the plane.
-        self.touch[-1] = np.linspace(f.inner_length - TIP, f.outer_length, TOUCHING)
+        # The rounded tip is where a finger meets the plane; bent past 90 degrees it stands on its back.
+        palm = TIP_PALMAR
+        around = np.linspace(0.0, np.pi, TOUCHING - palm)
+        self.touch[-1] = np.r_[np.linspace(f.inner_length - TIP, f.inner_length, palm, endpoint=False),
+                               f.inner_length + (f.outer_length - f.inner_length) * np.sin(around)]
         self.touch_radius = self.profile.outer_radius(self.touch)
+        self.touch_radius[-1, palm:] *= np.sign(np.cos(around))
 
     def _mass_per_length(self, x: np.ndarray) -> np.ndarray:
         """Of exoskeleton and actuator, tonne/mm."""
