@@ -5,6 +5,7 @@ Each comes as the case that `handgen bend` would solve.
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import tempfile
 from collections.abc import Iterator
@@ -16,18 +17,19 @@ from handgen.bending import request
 from handgen.errors import InputError
 from handgen.materials.law import Law
 from handgen.simulation.case import Case, Contact
+from tests import random_fingers
 from tests.strategies import ADULT, write
 
 PRESSURES = "0,20,40,60"
 """kPa."""
 
 
-def wild(count: int) -> list[Case]:
-    """Cases of those of `count` random valid files that are not refused by name, one finger of each."""
-    from tests.benchmarks.bend import random_cases
-
-    cases = [case for _, case in random_cases(count) if not isinstance(case, str)]
-    return [replace(case, pressures=tuple(p / 1e3 for p in (0, 20, 40, 60))) for case in cases]
+def wild(count: int) -> Iterator[Case]:
+    """Cases of those of `count` files with any layers, threads and slots that are not refused by name."""
+    for number in range(count):
+        name, data = random_fingers.anything(number)
+        with tempfile.TemporaryDirectory() as folder, contextlib.suppress(InputError):
+            yield request(write(data, folder), finger=name, pressures=PRESSURES).case
 
 
 def likely(seed: int, count: int, printed: float = 1.0) -> Iterator[Case]:
