@@ -127,11 +127,11 @@ class Axis:
     """The curled axis of a finger: straight along phalanges, a circular arc in every slot.
 
     The arc spans the slot between its rounded corners; the axis keeps its length, so that the
-    actuator, cast straight, fits the curled finger.
+    actuator, cast straight, fits the curled finger. `root`: flexion of the whole at its root, rad.
     """
 
-    def __init__(self, profile: FingerProfile, fillet: float):
-        self.profile = profile
+    def __init__(self, profile: FingerProfile, fillet: float, root: float = 0.0):
+        self.profile, self.root = profile, root
         self.bends = []
         for j in profile.finger.joints:
             half = j.slot_length / 2 - profile.fillet(j, fillet)
@@ -142,7 +142,8 @@ class Axis:
 
     def frame(self, x: float) -> tuple[float, float, float]:
         """(x, z, flexion in rad) of the axis point at arc length `x`."""
-        px = pz = angle = at = 0.0
+        px = pz = at = 0.0
+        angle = self.root
         for a, b, bend in self.bends:
             straight = min(x, a) - at
             px, pz = px + straight * math.cos(angle), pz - straight * math.sin(angle)

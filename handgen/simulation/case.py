@@ -97,8 +97,18 @@ class Case:
     """Share of the distance at rest of a slot's palmar edges at which it is closed."""
     softening: tuple[float, ...] = ()
     """Share of the silicone's stiffness that is lost at each of `pressures`; empty: none."""
+    curl_taken: float = 1.0
+    """Share of the finger's rest curl that the actuator, cast straight, is free of stress in."""
+    root_angle: float = 0.0
+    """rad by which the finger, at its root, hangs below the palm's plane, in which x runs."""
     refine: int = 0
     """0: the standard mesh; every step halves the elements' edges, about."""
+
+    @property
+    def curl_strains(self) -> float:
+        """Share of the rest curl that strains the actuator; 0 where there is no curl."""
+        curled = self.part == "assembly" and any(joint.rest_angle for joint in self.finger.finger.joints)
+        return 1.0 - self.curl_taken if curled else 0.0
 
     @property
     def extended(self) -> tuple[str, ...]:
@@ -109,6 +119,8 @@ class Case:
             ("a base that gives", self.base_compliance != 0.0),
             ("an actuator off its centre", self.offset != 0.0),
             ("joints that close", self.edges_left != 0.0), ("silicone that remembers", bool(self.softening)),
+            ("an actuator that a rest curl strains", self.curl_strains != 0.0),
+            ("a root that hangs", self.root_angle != 0.0),
         ) if there)
 
 

@@ -77,14 +77,14 @@ class ExoskeletonMesh:
     """(b,) half volume of that, mm3."""
 
 
-def exoskeleton_mesh(profile: FingerProfile, fillet: float, refine: int) -> ExoskeletonMesh:
-    """Mesh of `profile` with corners of the wanted radius `fillet`, mm."""
-    return _Finger(profile, fillet, refine).mesh()
+def exoskeleton_mesh(profile: FingerProfile, fillet: float, refine: int, root: float = 0.0) -> ExoskeletonMesh:
+    """Mesh of `profile` with corners of the wanted radius `fillet`, mm; its root hangs by `root`, rad."""
+    return _Finger(profile, fillet, refine, root).mesh()
 
 
 class _Finger:
-    def __init__(self, profile: FingerProfile, fillet: float, refine: int):
-        self.profile, self.axis, self.fine = profile, Axis(profile, fillet), 2**refine
+    def __init__(self, profile: FingerProfile, fillet: float, refine: int, root: float):
+        self.profile, self.axis, self.fine = profile, Axis(profile, fillet, root), 2**refine
         self.joints = profile.finger.joints
         self.slots = [(j.position - j.slot_length / 2, j.position + j.slot_length / 2) for j in self.joints]
         self.corner = [profile.fillet(j, fillet) for j in self.joints]

@@ -24,7 +24,7 @@ def state(system: System, point: Point, note: str = "") -> State:
         if mesh is not None:
             rows = slice(first, first + len(mesh.grid.nodes))
             positions[name] = x[rows].copy()
-            stretch[name] = _stretch(system.drawn[rows], mesh.grid.cells, positions[name])
+            stretch[name] = _stretch(system.unstrained[rows], mesh.grid.cells, positions[name])
     load = point.load
     force = None
     if system.case.obstacle is not None:

@@ -44,7 +44,7 @@ def weakest(system: System, q: np.ndarray) -> Wall:
     if system.actuator is None:
         return Wall()
     cells = system.actuator.grid.cells
-    slopes, _ = shapes.gradients(system.drawn, cells, np.zeros((1, 3)))
+    slopes, _ = shapes.gradients(system.unstrained, cells, np.zeros((1, 3)))
     stretch = element.largest_stretch(system.positions(q), cells, slopes)
     worst = int(np.argmax(stretch))
     return Wall(float(stretch[worst]), float(system.actuator.grid.nodes[cells[worst], 0].mean()))

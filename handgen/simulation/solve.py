@@ -39,10 +39,10 @@ TURN = 0.15
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES = 4
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
-STEPS = Load(0.1, 0.004, 0.06, 0.05)
-"""First steps: share of own weight, MPa, N, share of the silicone's stiffness lost."""
-LONGEST = Load(0.5, 0.020, 0.20, 0.3)
-SHORTEST = Load(0.01, 0.0002, 0.002, 0.005)
+STEPS = Load(0.1, 0.004, 0.06, 0.05, 0.1)
+"""First steps: share of own weight, MPa, N, shares of the silicone's stiffness and of the rest curl."""
+LONGEST = Load(0.5, 0.020, 0.20, 0.3, 0.5)
+SHORTEST = Load(0.01, 0.0002, 0.002, 0.005, 0.01)
 GROWTH, CUT = 2.0, 0.5
 """Of a step after an easy and after a failed one."""
 EASY, PLAIN = 6, 3

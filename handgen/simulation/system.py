@@ -12,11 +12,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from handgen.geometry.finger import Axis
 from handgen.simulation import contact, element, fibre, shapes
 from handgen.simulation.base import Base, add_turned_plane
 from handgen.simulation.block import Block, kernel_law
 from handgen.simulation.case import Case, Grid, Substance
+from handgen.simulation.cast import free_of_stress
 from handgen.simulation.closing import Closing
 from handgen.simulation.exoskeleton import NEVER, ExoskeletonMesh, exoskeleton_mesh
 from handgen.simulation.loads import Load, Loads
@@ -47,7 +47,7 @@ class System:
                 depth = case.winding.depth if case.winding else 0.0
                 self.actuator = shifted(self.actuator, case.actuator, depth, case.offset)
         if case.part != "actuator":
-            self.exoskeleton = exoskeleton_mesh(case.finger, case.fillet, case.refine)
+            self.exoskeleton = exoskeleton_mesh(case.finger, case.fillet, case.refine, case.root_angle)
         self.first = len(self.actuator.grid.nodes) if self.actuator else 0
         self._number()
         gives = self.exoskeleton is not None and case.base_compliance > 0.0
@@ -64,13 +64,12 @@ class System:
 
     @property
     def grids(self) -> dict[str, Grid]:
-        """Meshes as drawn. In a finger with a rest curl the actuator, cast straight, lies curled too: free of
-        stress, as silicone that has been kept so (stiffer than the strips, it would else undo the curl)."""
+        """Meshes as drawn: in a finger with a rest curl the actuator lies curled too (`cast`)."""
         found = {}
         if self.actuator:
             nodes = self.actuator.grid.nodes
             if self.exoskeleton:
-                nodes = Axis(self.case.finger, self.case.fillet).carry(nodes)
+                nodes = free_of_stress(self.case, nodes, 0.0)
             found["actuator"] = Grid(nodes, self.actuator.grid.cells)
         if self.exoskeleton:
             found["exoskeleton"] = self.exoskeleton.grid
@@ -78,6 +77,7 @@ class System:
 
     def _number(self) -> None:
         self.drawn = np.vstack([grid.nodes for grid in self.grids.values()])
+        self.unstrained, self._curl = self.drawn, 0.0
         self.body = np.full(len(self.drawn), NEVER)
         held = np.zeros(len(self.drawn), bool)
         self.bones = None
@@ -256,6 +256,14 @@ class System:
             self.compressive = w.compressive
         self.tension = np.zeros(len(self.threads))
 
+    def _strain(self, share: float) -> None:
+        """Let `share` of the rest curl strain the actuator."""
+        self._curl, self.unstrained = share, self.drawn.copy()
+        self.unstrained[:self.first] = free_of_stress(self.case, self.actuator.grid.nodes, share)
+        for block in self.blocks:
+            if block.mean:
+                block.dn, block.weight = shapes.gradients(self.unstrained, block.cells)
+
     # Equilibrium
 
     def assemble(self, q: np.ndarray, load: Load, *, exact: bool):
@@ -263,6 +271,8 @@ class System:
 
         `exact`: with the stresses of this very state in the geometric stiffness, not the extrapolated ones.
         """
+        if load.curl != self._curl:
+            self._strain(load.curl)
         x = self.positions(q)
         frames, curves = self._frames(x, q)
         self._placed = x, frames
@@ -273,15 +283,15 @@ class System:
             energy += fibre.add_threads(
                 x, self.threads, self.thread_length, self.thread_stiffness, self.compressive, self.tension,
                 exact, *self.groups["threads"], force, matrix)
-        self._inner = load.lost, force.copy()
+        self._inner = (load.lost, load.curl), force.copy()
         energy += self._touch(x, q, exact, force, matrix)
         energy += self.loads.add(x, q, load, force, matrix)
         return energy, force, matrix, least
 
     def reload(self, q: np.ndarray, load: Load) -> np.ndarray:
         """Force out of balance, N, under another load at `q`, where the system was assembled last."""
-        lost, inner = self._inner
-        if lost != load.lost:
+        shared, inner = self._inner
+        if shared != (load.lost, load.curl):
             return self.assemble(q, load, exact=True)[1]
         force, unused = inner.copy(), np.zeros(self.pattern.entries)
         self._touch(self._placed[0], q, True, force, unused)
