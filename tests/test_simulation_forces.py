@@ -41,7 +41,7 @@ class TestTangents:
 
     @pytest.fixture(params=[
         "actuator", "strips and bones", "weights", "contact", "friction", "bonds", "plane", "whole",
-        "bonded", "soft base", "turned plane", "closing slots", "lost stiffness"])
+        "bonded", "soft base", "turned plane", "closing slots", "lost stiffness", "strained by a curl"])
     def system_at(self, request):
         """(system, unknowns, load) with one part only, or with all."""
         what, load = request.param, Load()
@@ -54,6 +54,9 @@ class TestTangents:
             system.blocks = []
         elif what == "lost stiffness":
             system, load = System(replace(case("actuator"), offset=0.4)), Load(0.0, 0.02, 0.0, 0.3)
+        elif what == "strained by a curl":
+            curled = case("assembly", params="thesis_hand.yaml")
+            system, load = System(replace(curled, root_angle=0.3)), Load(0.7, 0.02, 0.0, 0.2, 0.6)
         elif what == "soft base":
             system = System(replace(case("exoskeleton", tip_loads=[0.3]), base_compliance=0.01))
             system.blocks, load = [], Load(0.7, 0.0, 0.3)

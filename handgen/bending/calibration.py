@@ -17,6 +17,7 @@ params/thesis_hand.yaml.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -61,6 +62,7 @@ JOINT_ASSUMPTIONS: dict[str, dict] = {
     "slots of 6 mm": {"slot": 6.0},
     "slots of 12 mm": {"slot": 12.0},
     "rest curl shared over the joints, .40 .35 .25": {"shares": (0.40, 0.35, 0.25)},
+    "finger hangs from its root, joints straight": {"shares": (0.0,), "root": 1.0},
     "PIP and DIP joint 3 mm nearer to the root": {"shift": -3.0},
     "PIP and DIP joint 3 mm farther from the root": {"shift": 3.0},
 }
@@ -152,14 +154,16 @@ def with_silicone(case: Case, values: Mapping[str, float], *, share: float = 1.0
 
 
 def with_joints(case: Case, values: Mapping[str, float], *, modulus: float = 1.0, slot: float | None = None,
-                shares: Sequence[float] = (1.0,), shift: float = 0.0) -> Case:
-    """`case` with the exoskeleton of `values`, and what JOINT_ASSUMPTIONS vary; `modulus`: times set 3's."""
+                shares: Sequence[float] = (1.0,), shift: float = 0.0, root: float = 0.0) -> Case:
+    """`case` with the exoskeleton of `values`, and what JOINT_ASSUMPTIONS vary; `modulus`: times set 3's,
+    `root`: share of the rest angle by which the finger hangs from its root."""
     chosen = library.parameter_set(TPU_SET)
     law = chosen.build()
     law = Law(law.name, tuple(modulus * constant for constant in law.constants))
     ratio = case.tpu.bulk / case.tpu.law.shear_modulus
     tpu = replace(case.tpu, law=law, bulk=ratio * law.shear_modulus, density=library.density(chosen))
-    return replace(case, tpu=tpu, finger=_jointed(case, values, slot, shares, shift))
+    return replace(case, tpu=tpu, finger=_jointed(case, values, slot, shares, shift),
+                   root_angle=math.radians(root * values["rest_angle"]))
 
 
 def _jointed(case: Case, values: Mapping[str, float], slot: float | None, shares: Sequence[float],

@@ -97,6 +97,15 @@ class BendModel(Model):
     held_length: float | None = quantity(
         "mm", 0, 40, "over which plug and collar hold the actuator's base; null: the plug's length",
         default=None)
+    curl_taken: float = quantity(
+        "1", 0, 1, "share of a finger's rest curl in which its actuator, cast straight, is free of stress; "
+        "with 0 it pulls the resting finger towards straight, as an elastic body does", default=1.0,
+        assumed="platinum silicone takes a set of a few percent: a curl of the strips would strain the "
+                "actuator; what hangs from the finger's root strains none, and no test of the bare finger "
+                "tells the two apart: with 0 the source's finger would hang 9 mm too high at rest")
+    root_angle: float = quantity(
+        "deg", -90, 90, "by which a finger, at its root, hangs below the palm's plane before it bends",
+        default=0.0)
     thread: ThreadModel = item("the reinforcement", default_factory=ThreadModel)
     own_weight: OwnWeight = item("what of it the model takes into account", default_factory=OwnWeight)
     effects: list[Effect] = item("switched on", default_factory=list)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -145,7 +146,10 @@ def _composed(loaded: Loaded, chosen: tuple[BendModel, str], finger: str, part: 
     seen = gauge if part == "exoskeleton" else applied.chamber(gauge)
     composer = Composer(applied.hand(loaded, finger), model, file, pressures=tuple(1e-3 * p for p in seen))
     loading["gravity"] = _acting(loading["gravity"], model, part)
-    case = _case(composer, finger, part, dict(contact=Contact(model.friction, model.bonded), **loading))
+    loading["contact"] = Contact(model.friction, model.bonded)
+    if part in ("assembly", "exoskeleton"):
+        loading |= dict(curl_taken=model.curl_taken, root_angle=math.radians(model.root_angle))
+    case = _case(composer, finger, part, loading)
     problems += (p for i, p in enumerate(composer.problems) if p not in composer.problems[:i])
     if case is not None and part != opposition.PART:
         case = applied.case(case, Course(tuple(seen), path, tuple(times), repeats))

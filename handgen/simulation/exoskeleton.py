@@ -77,8 +77,9 @@ class ExoskeletonMesh:
     """(b,) half volume of that, mm3."""
 
 
-def exoskeleton_mesh(profile: FingerProfile, fillet: float, refine: int, root: float = 0.0) -> ExoskeletonMesh:
-    """Mesh of `profile` with corners of the wanted radius `fillet`, mm; its root hangs by `root`, rad."""
+def exoskeleton_mesh(profile: FingerProfile, fillet: float, refine: int,
+                     root: float = 0.0) -> ExoskeletonMesh:
+    """Mesh of `profile` with corners of the wanted radius `fillet`, mm; it hangs by `root`, rad."""
     return _Finger(profile, fillet, refine, root).mesh()
 
 

@@ -14,6 +14,8 @@ from handgen.measurements import load_measurements
 from handgen.measurements.statistics import means
 
 FRICTIONS = (0.3, 0.5, 1.2)
+TAKEN = (0.5, 0.0)
+"""Shares of the rest curl; 0: an elastic actuator, cast straight."""
 
 
 def main() -> None:
@@ -43,6 +45,11 @@ def variations(found: calibration.Calibration):
     for other in found.joints_others:
         given = calibration.JOINT_ASSUMPTIONS[other.what]
         yield other.what, both(found.silicone, other.fit, of_joints=given)
+    for taken in TAKEN:
+        def strained(case, taken=taken):
+            return replace(both(found.silicone, found.joints)(case), curl_taken=taken)
+
+        yield f"actuator has taken {100 * taken:g} % of the rest curl", strained
     for friction in FRICTIONS:
         yield f"friction {friction:g}", both(found.silicone, found.joints, friction)
 
