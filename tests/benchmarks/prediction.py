@@ -16,6 +16,10 @@ from handgen.measurements.statistics import means
 FRICTIONS = (0.3, 0.5, 1.2)
 TAKEN = (0.5, 0.0)
 """Shares of the rest curl; 0: an elastic actuator, cast straight."""
+TIGHT = 0.1
+"""mm by which a printed bore may be too narrow, and ..."""
+GAUGE = 3.5e-3
+"""... MPa by which a gauge may read too little."""
 
 
 def main() -> None:
@@ -45,6 +49,8 @@ def variations(found: calibration.Calibration):
     for other in found.joints_others:
         given = calibration.JOINT_ASSUMPTIONS[other.what]
         yield other.what, both(found.silicone, other.fit, of_joints=given)
+        if given.get("root"):
+            yield from hanging(both(found.silicone, other.fit, of_joints=given))
     for taken in TAKEN:
         def strained(case, taken=taken):
             return replace(both(found.silicone, found.joints)(case), curl_taken=taken)
@@ -52,6 +58,20 @@ def variations(found: calibration.Calibration):
         yield f"actuator has taken {100 * taken:g} % of the rest curl", strained
     for friction in FRICTIONS:
         yield f"friction {friction:g}", both(found.silicone, found.joints, friction)
+
+
+def hanging(root):
+    """More that would let the finger which hangs from its root rest higher and bend further."""
+    def tight(case):
+        case = root(case)
+        return replace(case, contact=replace(case.contact, clearance=-TIGHT))
+
+    def low(case):
+        case = tight(case)
+        return replace(case, pressures=tuple(p + GAUGE if p else p for p in case.pressures))
+
+    yield f"... and its bore is {TIGHT:g} mm tight all around", tight
+    yield f"... and the gauge reads {1e3 * GAUGE:g} kPa too little as well", low
 
 
 def answer(measured, test, change) -> list[float | None]:
