@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from handgen.simulation import cavity, contact, fibre
+from handgen.simulation import cavity, contact, fibre, friction
 from handgen.simulation.sparse import Cholmod, Pattern, SuperLU
 from handgen.simulation.system import Load, System
 from tests.fingers import assembler, case, only_pairs, shaken, stiffness
@@ -33,7 +33,7 @@ def rubbed(system: System, q: np.ndarray) -> None:
     rng = np.random.default_rng(6)
     system.assemble(q, Load(), exact=True)
     system.accept(q)
-    system.anchors += rng.uniform(-3, 3, len(system.anchors)) * contact.STICK
+    system.anchors += rng.uniform(-3, 3, len(system.anchors)) * friction.STICK
 
 
 class TestTangents:
@@ -68,8 +68,8 @@ class TestTangents:
                                     base_compliance=0.01 if what == "turned plane" else 0.0))
             system.blocks = []
         else:
-            friction = 0.4 if what in ("friction", "whole") else 0.0
-            system = System(case("assembly", friction=friction, bonded=what in ("bonds", "bonded")))
+            mu = 0.4 if what in ("friction", "whole") else 0.0
+            system = System(case("assembly", friction=mu, bonded=what in ("bonds", "bonded")))
             load = Load(1.0, 0.03, 0.2) if what in ("whole", "bonded") else Load()
         q = swollen(system) if what in ("contact", "friction", "whole") else shaken(system)
         if what in ("plane", "turned plane"):

@@ -11,12 +11,9 @@ Newton, on the way to balance, knows forces better than gaps: the linear equatio
 extrapolated ones. The stiffness of a pair is therefore that of the chord from its gap to the gap that goes
 with its extrapolated force (`met`); where the two meet, it is the tangent's.
 
-Friction acts along the axis: an elastic bond of stick length STICK that is dragged along once it is
-stretched (P. R. Dahl, 1968): force mu N d / root, root = sqrt(d^2 + STICK^2), with d the way of s_x from the
-anchor and N the normal force. Newton rattles on such a knee: the bond's direction, d / root, is therefore
-extrapolated like a stress (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977, do
-the same for |x| in images). As N follows the gap, friction has no energy and its tangent no symmetry: what is
-symmetric goes into the matrix, the rest is given apart (`lever`, `press`).
+Friction acts along the axis, by bonds (`friction`). As their normal force follows the gap, friction has no
+energy and its tangent no symmetry: what is symmetric goes into the matrix, the rest is given apart (`lever`,
+`press`).
 """
 
 from __future__ import annotations
@@ -25,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from handgen.simulation.element import scatter
+from handgen.simulation.friction import SLIP, bond, chord
 
 PENALTY = 1.0
 """N/mm3: at 100 kPa a wall sinks in by 0.025 mm."""
@@ -32,8 +30,6 @@ SOFT = 0.1
 """mm; half the width of the rounded onset."""
 RIM = 3.0
 """mm; radius over which a bore opens towards a slot."""
-STICK = 0.05
-"""mm; a node at rest creeps so far before it slides."""
 BORE, FACE = 0, 1
 
 
@@ -132,10 +128,10 @@ def between(x, nodes, share, point):
 
 
 @njit(cache=True)
-def rub(friction, now, bend, along, normal, rubs, slope, fe, ke):
-    """Add the force of a bond of direction `now` and its symmetric tangent: `bend` 1/root; `along`, `rubs`:
-    direction and normal force that the tangent takes."""
-    stiff = friction * rubs * bend * (1.0 - along * now)
+def rub(friction, now, bend, normal, rubs, slope, fe, ke):
+    """Add the force of a bond of the share `now` and its symmetric tangent of slope `bend`; `rubs`: the
+    normal force that the tangent takes."""
+    stiff = friction * rubs * bend
     for i in range(6):
         fe[i // 3, i % 3] += friction * normal * now * slope[0, i]
         for j in range(6):
@@ -213,7 +209,8 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
                 g[0], g[1], g[2] = d, -s[1] / q, -s[2] / q
                 for j in range(6):
                     step[j] = g[0] * slope[0, j] + g[1] * slope[1, j] + g[2] * slope[2, j]
-                bent = w1 if exact else -pressed[e]
+                # A force extrapolated far beyond the gap's would make the tangent indefinite.
+                bent = w1 if exact else -min(pressed[e], -w1)
                 for i in range(6):
                     fe[i // 3, i % 3] += w1 * step[i]
                     for j in range(6):
@@ -225,12 +222,12 @@ def add_contact(x, nodes, shares, bodies, kinds, area, swell, pieces, low, high,
                 add_turning(slope, bent * g[0], bent * g[2], ke)
             if touched and friction > 0.0 and not np.isnan(anchors[e]):
                 way = s[0] - anchors[e]
-                root = np.sqrt(way * way + STICK * STICK)
-                along, rubs = (way / root, normal[e]) if exact else (dragged[e], pressed[e])
-                rub(friction, way / root, 1.0 / root, along, normal[e], rubs, slope, fe, ke)
+                now, _ = bond(way)
+                along, rubs = (now, normal[e]) if exact else (dragged[e], pressed[e])
+                rub(friction, now, chord(way, now, along), normal[e], rubs, slope, fe, ke)
                 for a in range(9):
                     i, own = (a % 3, shares[e, a // 3]) if a < 6 else (a - 3, 1.0)
-                    lever[e, a] = own * friction * way / root * slope[0, i]
+                    lever[e, a] = own * friction * now * slope[0, i]
                     press[e, a] = -own * w2 * step[i]
         if touched:
             scatter_pair(shares[e], fe, ke, dofs[e], place[e], force, matrix)
@@ -284,28 +281,27 @@ def extrapolate_contact(x, moved, turned, nodes, shares, bodies, kinds, area, sw
         _, w1, _ = onset(gap, PENALTY * area[e], SOFT)
         pressed[e] = max(0.0, -w1 - stiff[e] * grown)
         if not np.isnan(anchors[e]):
-            way = s[0] - anchors[e]
-            root = np.sqrt(way * way + STICK * STICK)
-            dragged[e] = min(1.0, max(-1.0, way / root + STICK**2 / root**3 * np.sum(slope[0] * step)))
+            now, grows = bond(s[0] - anchors[e])
+            dragged[e] = min(1.0, max(-1.0, now + grows * np.sum(slope[0] * step)))
 
 
 @njit(cache=True)
 def drag(x, nodes, shares, bodies, kinds, normal, pivot, origin, angle, states, anchors):
-    """Move the anchors of friction after an accepted step: a stretched bond follows, a free one lets go."""
+    """Move the anchors of friction after an accepted step: a bond that slides follows at SLIP.
+
+    Where nothing touches the anchor goes along: what comes to touch has rubbed all the way of that step.
+    """
     s, slope, at = np.empty(3), np.empty((3, 6)), np.empty(3)
     for e in range(len(nodes)):
-        if kinds[e] != BORE or normal[e] <= 0.0:
-            anchors[e] = np.nan
+        if kinds[e] != BORE:
             continue
         b = bodies[e]
         between(x, nodes[e], shares[e], at)
         seen(at, pivot[b], origin[b], angle[b], states[b], s, slope)
-        if np.isnan(anchors[e]):
+        if np.isnan(anchors[e]) or normal[e] <= 0.0:
             anchors[e] = s[0]
-        elif s[0] - anchors[e] > 2 * STICK:
-            anchors[e] = s[0] - 2 * STICK
-        elif anchors[e] - s[0] > 2 * STICK:
-            anchors[e] = s[0] + 2 * STICK
+        else:
+            anchors[e] = min(s[0] + SLIP, max(s[0] - SLIP, anchors[e]))
 
 
 @njit(cache=True)

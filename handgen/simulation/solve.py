@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from handgen.simulation import runaway
+from handgen.simulation import line_search, runaway
 from handgen.simulation.contact import SOFT
 from handgen.simulation.krylov import gmres
 from handgen.simulation.sparse import factoriser
@@ -28,21 +28,21 @@ LEAST_FORCE = 1e-3
 """N; what an acting force counts at least."""
 ITERATIONS, MOST_ITERATIONS = 12, 24
 """Of Newton; beyond the first number only while the residual falls to a quarter in two of them."""
-HOPELESS, LATE = 1e9, 12
+HOPELESS, LATE = 1e9, 8
 """A residual beyond which Newton does not come back; from iteration LATE on it must be below 1."""
-COUPLED, SOLUTIONS = 1e-3, 30
+COUPLED, SOLUTIONS = 1e-4, 30
 """Error of a step relative to the step, up to which friction's part of the equations is solved, and the
 solutions with the symmetric part's factor that it may take."""
 NEARLY = 1e-3
 """Residual from which on the tangent of the iteration before serves once more: a hundredth is left by it."""
-TURN = 0.15
+TURN = 0.3
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES = 4
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
 STEPS = Load(0.1, 0.004, 0.06, 0.05, 0.1)
 """First steps: share of own weight, MPa, N, shares of the silicone's stiffness and of the rest curl."""
 LONGEST = Load(0.5, 0.020, 0.20, 0.3, 0.5)
-SHORTEST = Load(0.01, 0.0002, 0.002, 0.005, 0.01)
+SHORTEST = Load(0.01, 0.0005, 0.002, 0.005, 0.01)
 GROWTH, CUT = 2.0, 0.5
 """Of a step after an easy and after a failed one."""
 EASY, PLAIN = 6, 3
@@ -95,7 +95,8 @@ class Solver:
         self._slope: tuple[np.ndarray, float, tuple[float, ...]] | None = None
         self._stands: np.ndarray | None = None
         """The state whose tangent stands factorised."""
-        self._direction: tuple[float, ...] | None = None
+        self._unstable = False
+        """Whether a drag has led through unstable states."""
 
     # Steps
 
@@ -108,6 +109,7 @@ class Solver:
         s.grip = 2 * SOFT
         _, _, values, _ = s.assemble(point.q, point.load, exact=False)
         s.grip = 0.0
+        s.accept(point.q)
         self._stands = point.q
         return point if self._factorise(values) else None
 
@@ -128,24 +130,32 @@ class Solver:
                 self.cost.steps += 1
                 point, iterations = found
                 if iterations <= EASY:
-                    self._scale(GROWTH if iterations > PLAIN else GROWTH**2)
+                    self._scale(gap, GROWTH if iterations > PLAIN else GROWTH**2)
                 continue
             self.cost.cuts += 1
             self._slope = None
-            self._scale(CUT)
+            self._scale(gap, CUT)
             if self._shortest(gap):
-                jumped = self._relaxed(point.q, point.load.towards(target, min(1.0, 2 * share)))
+                # A long step on: nearer to the limit point it would linger there.
+                ahead = float(np.abs(gap / LONGEST.parts).max())
+                jumped = self._relaxed(point.q, point.load.towards(target, min(1.0, 1 / ahead)))
                 if jumped is None or not self._stable(jumped):
                     return replace(point, folds=folds), False
-                if np.abs(self.system.positions(jumped.q) - self.system.positions(point.q)).max() > JUMP:
+                if self._unstable and self._apart(jumped.q, point.q) > JUMP:
                     folds += (point.load.pressure,)
                     self.folds.append(point.load.pressure)
                 point = jumped
                 self.system.accept(point.q)
                 self._steps = [AFTER * first for first in STEPS.parts]
 
-    def _scale(self, factor: float) -> None:
-        self._steps = [min(s * factor, most) for s, most in zip(self._steps, LONGEST.parts, strict=True)]
+    def _apart(self, q: np.ndarray, other: np.ndarray) -> float:
+        """The farthest that any place is from itself in another state, mm."""
+        return float(np.abs(self.system.positions(q) - self.system.positions(other)).max())
+
+    def _scale(self, gap: np.ndarray, factor: float) -> None:
+        """Lengthen or shorten the steps of the loads that vary."""
+        self._steps = [min(s * factor, most) if g else s
+                       for g, s, most in zip(gap, self._steps, LONGEST.parts, strict=True)]
 
     def _shortest(self, gap: np.ndarray) -> bool:
         return any(g != 0 and s < least for g, s, least in zip(gap, self._steps, SHORTEST.parts, strict=True))
@@ -213,6 +223,7 @@ class Solver:
             turn = np.abs(step[s.turns]).max(initial=0.0)
             if turn > TURN:
                 step *= TURN / turn
+            step *= line_search.share(s, q, step, force)
             s.extrapolate(q, step)
             q = q + step
         return None
@@ -226,8 +237,10 @@ class Solver:
         """
         s = self.system
         centre, strength, calm = q, DRAG, CALM
+        self._unstable = False
         for _ in range(RELAXATIONS):
-            s.assemble(centre, load, exact=True)
+            _, _, values, _ = s.assemble(centre, load, exact=True)
+            self._unstable = self._unstable or not self._factorise(values)
             s.extrapolate(centre, np.zeros_like(centre))
             found = self._newton(centre, load, strength * s.inertia, centre)
             if found is None:

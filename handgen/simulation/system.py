@@ -309,10 +309,8 @@ class System:
                 *self.groups["pairs"], force, matrix)
         elif len(self.pair_nodes):
             energy += contact.add_contact(
-                x, *self._points, self.pair_kinds, self.pair_areas,
-                self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
-                self.case.contact.friction, self.anchors, self.normal, self.pressed, self.dragged,
-                self.pair_stiffness, self.lever, self.press, exact, self.grip,
+                x, *self.touching(q), self.case.contact.friction, self.anchors, self.normal, self.pressed,
+                self.dragged, self.pair_stiffness, self.lever, self.press, exact, self.grip,
                 *self.groups["pairs"], force, matrix)
         if len(self.plane_points):
             level = -self.case.finger.outer(0.0) - self.case.obstacle
@@ -359,6 +357,22 @@ class System:
         return list(self.pool.map(work, numbers)) if self.pool else [work(0)]
 
     @property
+    def placed(self) -> np.ndarray:
+        """(N, 3) nodes where the system was assembled last, mm."""
+        return self._placed[0]
+
+    def moved(self, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What nodes (N, 3) and bones (b, 3) do in a `step` from there, to first order."""
+        own = np.where(self.dofs >= 0, step[self.dofs], 0.0)
+        return (np.einsum("nij,nj->ni", self._placed[1], own),
+                np.where(self.body_dofs >= 0, step[self.body_dofs], 0.0))
+
+    def touching(self, q: np.ndarray) -> tuple:
+        """What contact's pairs are and where the bones stand, as the kernels take it."""
+        return (*self._points, self.pair_kinds, self.pair_areas, self.actuator.swell, self._pieces,
+                *self._bone_arrays, self.bone_states(q))
+
+    @property
     def _points(self):
         """What contact's pairs consist of: nodes and shares of the points, and bones."""
         return self.pair_nodes, self.pair_shares, self.pair_bodies
@@ -382,8 +396,7 @@ class System:
 
         The system must have been assembled at `q` last: laws are not evaluated again.
         """
-        x, slopes = self._placed
-        moved = np.einsum("nij,nj->ni", slopes, np.where(self.dofs >= 0, step[self.dofs], 0.0))
+        x, (moved, turned) = self.placed, self.moved(step)
 
         def share(number: int):
             for b in self.blocks:
@@ -396,11 +409,9 @@ class System:
             fibre.extrapolate_threads(x, moved, self.threads, self.thread_length, self.thread_stiffness,
                                       self.compressive, self.tension)
         if len(self.pair_nodes) and not self.case.contact.bonded:
-            turned = np.where(self.body_dofs >= 0, step[self.body_dofs], 0.0)
             contact.extrapolate_contact(
-                x, moved, turned, *self._points, self.pair_kinds, self.pair_areas,
-                self.actuator.swell, self._pieces, *self._bone_arrays, self.bone_states(q),
-                self.anchors, self.pair_stiffness, self.pressed, self.dragged)
+                x, moved, turned, *self.touching(q), self.anchors, self.pair_stiffness, self.pressed,
+                self.dragged)
 
     def coupling(self) -> Callable[[np.ndarray], np.ndarray] | None:
         """How friction, N, changes after a step because normal forces do, to first order, from where
