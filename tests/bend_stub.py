@@ -1,7 +1,8 @@
 """A solver that answers at once, hung in like another package's: boxes that shear with the load.
 
 STUB_STOPS_AT: load (kPa, or N of a bare exoskeleton) beyond which it finds nothing; STUB_SECONDS: what a
-point takes; STUB_HANGS_AT, STUB_DIES_AT: loads at which it never returns, or takes its process with it.
+point takes; STUB_HANGS_AT, STUB_DIES_AT: loads at which it never returns, or takes its process with it;
+STUB_LOG: a file that gets a line for every bend that begins.
 """
 
 import math
@@ -41,6 +42,9 @@ def simulate(case, progress=None) -> Curve:
     bare = case.part == "exoskeleton"
     loads = [(0.0, t) for t in case.tip_loads] if bare else [(p, case.tip_loads[0]) for p in case.pressures]
     stop = float(os.environ.get("STUB_STOPS_AT", "inf"))
+    if "STUB_LOG" in os.environ:
+        with open(os.environ["STUB_LOG"], "a", encoding="utf-8") as log:
+            log.write(f"{loads}\n")
     grids = {}
     if case.part != "exoskeleton":
         grids["actuator"] = box(case.actuator.length, -3.0, 3.0)
