@@ -38,7 +38,7 @@ class System:
     def __init__(self, case: Case, threads: int = 1):
         self.case = case
         self.threads_count = threads
-        self.pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self.pool = ThreadPoolExecutor(threads)
         self.actuator: ActuatorMesh | None = None
         self.exoskeleton: ExoskeletonMesh | None = None
         if case.part != "exoskeleton":
@@ -352,9 +352,9 @@ class System:
         return slice(count * number // self.threads_count, count * (number + 1) // self.threads_count)
 
     def _shared(self, work):
-        """`work(number)` of every thread."""
-        numbers = range(self.threads_count)
-        return list(self.pool.map(work, numbers)) if self.pool else [work(0)]
+        """`work(number)` of every thread; the first part is the caller's, who would only wait."""
+        others = [self.pool.submit(work, number) for number in range(1, self.threads_count)]
+        return [work(0), *(other.result() for other in others)]
 
     @property
     def placed(self) -> np.ndarray:
