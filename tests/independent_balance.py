@@ -22,6 +22,8 @@ from handgen.simulation.system import System
 
 STEP, FINE = 1e-4, 1e-6
 """mm, of differences of fourth order: of solids and air; of threads and contact, stiff with kinks."""
+SHORT = 1e-6
+"""N left out of balance, above which the best friction is sought exactly."""
 DIFFERENCE = ((-2, 1 / 12), (-1, -8 / 12), (1, 8 / 12), (2, -1 / 12))
 GAUSS = np.array([(a, b, c) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]) / 3**0.5
 
@@ -262,8 +264,11 @@ class Judge:
         moving = np.vstack([0 * scale, bones[1:] * scale])
         right = np.concatenate([nodes[touched].ravel(), moving.ravel()])
         most = self.case.contact.friction * np.array([r[-1] for r in rubs])
-        found = lsq_linear(ways, -right, (-most - 1e-12, most + 1e-12), tol=1e-14, max_iter=200)
-        left = right + ways @ found.x
+        bounds = -most - 1e-12, most + 1e-12
+        left = right + ways @ lsq_linear(ways, -right, bounds, tol=1e-14, max_iter=200).x
+        if np.abs(left).max() > SHORT:
+            # From inside, the search may stop short of the least: the exact one, ten times slower, decides.
+            left = right + ways @ lsq_linear(ways, -right, bounds, method="bvls", tol=1e-14).x
         nodes[touched] = left[:3 * len(touched)].reshape(-1, 3)
         bones[1:] = left[3 * len(touched):].reshape(-1, 3)[1:] / scale
 
