@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.sparse.linalg import spsolve
 
 from handgen.simulation import shapes
-from handgen.simulation.case import STANDARD_GRAVITY
+from handgen.simulation.case import STANDARD_GRAVITY, Contact
 from handgen.simulation.cast import free_of_stress
 from handgen.simulation.solid import simulate
 from handgen.simulation.solve import Solver
@@ -31,7 +31,7 @@ def curled(**changes):
 
 
 def test_lies_between_the_curled_and_the_straight_one():
-    asked = curled()
+    asked = curled(curl_taken=0.0)
     straight = System(asked).actuator.grid.nodes
     assert free_of_stress(asked, straight, 1.0) == pytest.approx(straight, abs=1e-12)
     assert free_of_stress(asked, straight, 0.0) == pytest.approx(System(asked).grids["actuator"].nodes, abs=0)
@@ -109,11 +109,11 @@ def _bent(nodes, curvature: float, start: float):
 def test_finger_and_actuator_share_the_curl_and_give_it_back():
     """The actuator straightens the finger more, the more of the curl strains it; relieved again, without
     friction, the finger stands where it stood, and no energy is left."""
-    system = System(curled())
+    system = System(curled(curl_taken=0.0))
     solver = Solver(system)
-    point, _ = solver.advance(solver.begin(), Load(curl=0.5))
+    point, _ = solver.advance(solver.begin(), Load(fit=0.5))
     half = point.q[system.turns[0]]
-    point, there = solver.advance(point, Load(curl=1.0))
+    point, there = solver.advance(point, Load(fit=1.0))
     strained = system.assemble(point.q, point.load, exact=True)[0]
     assert there and strained > 0.0
     assert -CURL < point.q[system.turns[0]] < half < 0.0
@@ -121,6 +121,23 @@ def test_finger_and_actuator_share_the_curl_and_give_it_back():
     assert there
     assert np.abs(point.q).max() < 1e-4
     assert system.assemble(point.q, point.load, exact=True)[0] < 1e-6 * strained
+
+
+def test_a_narrow_bore_closes_on_its_actuator():
+    """0.2 mm narrower all around, drawn so, nothing would be in balance: the bore closes from where it touches,
+    and the wall ends pressed in by as much, less what the contact gives."""
+    asked = curled(contact=Contact(clearance=-0.2))
+    assert (asked.tight, curled().tight, curled(contact=Contact(clearance=0.1)).tight) == (
+        pytest.approx(0.2), 0.0, 0.0)
+    system = System(asked)
+    solver = Solver(system)
+    point, there = solver.advance(solver.begin(), Load(fit=1.0))
+    assert there
+    x, mesh = system.positions(point.q), system.actuator
+    ring = np.flatnonzero(np.abs(mesh.grid.nodes[mesh.axis, 0] - 40.0) < 3.0)
+    wide = [np.linalg.norm(x[mesh.back[i]] - x[mesh.axis[i]]) / mesh.swell for i in ring]
+    drawn = 2 * asked.actuator.outer(mesh.grid.nodes[mesh.axis[ring], 0])
+    assert np.all((drawn - wide > 0.2) & (drawn - wide < 0.4))
 
 
 # The root

@@ -18,6 +18,8 @@ from handgen.materials.law import Law
 Kind = Literal["assembly", "exoskeleton", "actuator"]
 STANDARD_GRAVITY = 9806.65
 """mm/s2."""
+TOUCHING = 1e-6
+"""mm; surfaces that overlap by less only touch."""
 HEXAHEDRON, QUADRATIC_HEXAHEDRON = 12, 25
 """VTK's numbers for the cells of 8 and of 20 nodes."""
 
@@ -109,6 +111,15 @@ class Case:
         """Share of the rest curl that strains the actuator; 0 where there is no curl."""
         curled = self.part == "assembly" and any(joint.rest_angle for joint in self.finger.finger.joints)
         return 1.0 - self.curl_taken if curled else 0.0
+
+    @property
+    def tight(self) -> float:
+        """mm by which the bore is narrower, where it is most so, than the actuator that lies in it; 0: nowhere."""
+        if self.part != "assembly" or self.contact.bonded:
+            return 0.0
+        x = np.linspace(self.held, min(self.actuator.length, self.finger.finger.inner_length), 101)
+        over = float((self.actuator.outer(x) - self.finger.bore(x)).max()) - self.contact.clearance
+        return over if over > TOUCHING else 0.0
 
     @property
     def extended(self) -> tuple[str, ...]:

@@ -23,20 +23,20 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Load:
     """What acts: share of own weight, pressure MPa, tip load N; share of the silicone's stiffness lost, and
-    of the rest curl that strains the actuator (`handgen.simulation.cast`)."""
+    of what the finger strains its actuator by (`handgen.simulation.cast`)."""
 
     weight: float = 0.0
     pressure: float = 0.0
     tip: float = 0.0
     lost: float = 0.0
-    curl: float = 0.0
+    fit: float = 0.0
 
     def towards(self, other: Load, share: float) -> Load:
         return Load(*(float(a + share * (b - a)) for a, b in zip(self.parts, other.parts, strict=True)))
 
     @property
     def parts(self) -> tuple[float, float, float, float, float]:
-        return self.weight, self.pressure, self.tip, self.lost, self.curl
+        return self.weight, self.pressure, self.tip, self.lost, self.fit
 
 
 class Loads:

@@ -37,15 +37,15 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
     begun = time.perf_counter()
     system = System(case, _threads())
     solver = Solver(system, os.environ.get(FACTORISER, ""))
-    weight, curl = 1.0 if any(case.gravity) else 0.0, case.curl_strains
+    weight, fit = (1.0 if on else 0.0 for on in (any(case.gravity), case.curl_strains or case.tight))
     targets = ([Load(weight, 0.0, t) for t in case.tip_loads] if case.part == "exoskeleton"
-               else [Load(weight, p, case.tip_loads[0], lost, curl) for p, lost in zip(
+               else [Load(weight, p, case.tip_loads[0], lost, fit) for p, lost in zip(
                    case.pressures, case.softening or [0.0] * len(case.pressures), strict=True)])
     states: list[State] = []
     point = solver.begin()
     reached, stopped = 0.0, "" if point else "the unloaded finger finds no balance"
     if point and targets[0].tip and case.part != "exoskeleton":
-        point, _ = solver.advance(point, Load(weight, 0.0, targets[0].tip, 0.0, curl))
+        point, _ = solver.advance(point, Load(weight, 0.0, targets[0].tip, 0.0, fit))
     for target in targets:
         if not stopped:
             point, there = solver.advance(point, target)

@@ -40,7 +40,7 @@ TURN = 0.3
 NEGATIVES = 4
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
 STEPS = Load(0.1, 0.004, 0.06, 0.05, 0.1)
-"""First steps: share of own weight, MPa, N, shares of the silicone's stiffness and of the rest curl."""
+"""First steps: share of own weight, MPa, N, shares of the silicone's stiffness and of the fit."""
 LONGEST = Load(0.5, 0.020, 0.20, 0.3, 0.5)
 SHORTEST = Load(0.01, 0.0005, 0.002, 0.005, 0.01)
 GROWTH, CUT = 2.0, 0.5

@@ -77,7 +77,7 @@ class System:
 
     def _number(self) -> None:
         self.drawn = np.vstack([grid.nodes for grid in self.grids.values()])
-        self.unstrained, self._curl = self.drawn, 0.0
+        self.unstrained, self._fit = self.drawn, 0.0
         self.body = np.full(len(self.drawn), NEVER)
         held = np.zeros(len(self.drawn), bool)
         self.bones = None
@@ -257,8 +257,8 @@ class System:
         self.tension = np.zeros(len(self.threads))
 
     def _strain(self, share: float) -> None:
-        """Let `share` of the rest curl strain the actuator."""
-        self._curl, self.unstrained = share, self.drawn.copy()
+        """Let `share` of rest curl and tight bore strain the actuator."""
+        self._fit, self.unstrained = share, self.drawn.copy()
         self.unstrained[:self.first] = free_of_stress(self.case, self.actuator.grid.nodes, share)
         for block in self.blocks:
             if block.mean:
@@ -271,8 +271,8 @@ class System:
 
         `exact`: with the stresses of this very state in the geometric stiffness, not the extrapolated ones.
         """
-        if load.curl != self._curl:
-            self._strain(load.curl)
+        if load.fit != self._fit:
+            self._strain(load.fit)
         x = self.positions(q)
         frames, curves = self._frames(x, q)
         self._placed = x, frames
@@ -283,7 +283,7 @@ class System:
             energy += fibre.add_threads(
                 x, self.threads, self.thread_length, self.thread_stiffness, self.compressive, self.tension,
                 exact, *self.groups["threads"], force, matrix)
-        self._inner = (load.lost, load.curl), force.copy()
+        self._inner = (load.lost, load.fit), force.copy()
         energy += self._touch(x, q, exact, force, matrix)
         energy += self.loads.add(x, q, load, force, matrix)
         return energy, force, matrix, least
@@ -291,7 +291,7 @@ class System:
     def reload(self, q: np.ndarray, load: Load) -> np.ndarray:
         """Force out of balance, N, under another load at `q`, where the system was assembled last."""
         shared, inner = self._inner
-        if shared != (load.lost, load.curl):
+        if shared != (load.lost, load.fit):
             return self.assemble(q, load, exact=True)[1]
         force, unused = inner.copy(), np.zeros(self.pattern.entries)
         self._touch(self._placed[0], q, True, force, unused)
@@ -379,7 +379,7 @@ class System:
 
     @property
     def _pieces(self) -> np.ndarray:
-        play = self.case.contact.clearance
+        play = self.case.contact.clearance + (1.0 - self._fit) * self.case.tight
         return np.array([(p.x0, p.x1, p.y0 + play, p.y1 + play, p.m0, p.m1)
                          for p in self.case.finger.bore.pieces])
 
