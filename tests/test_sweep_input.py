@@ -11,6 +11,7 @@ from handgen.errors import InputError
 from handgen.sweep import draw, plan, said
 from handgen.sweep.load import prepare
 from handgen.sweep.model import Axis
+from handgen.sweep.plan import START_S
 from handgen.sweep.store import Store
 from handgen.sweep.variant import task
 from tests.sweep_files import sweep_file
@@ -42,8 +43,34 @@ def test_everything_wrong_is_said_at_once(tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
+def test_nothing_wrong_hides_what_else_is(tmp_path):
+    """Neither what a sweep must have, nor axes that are no ranges, nor a base that is not there."""
+    empty = {"low": 2, "high": 1}
+    assert set(refused(tmp_path, name="a b", base="nothing.yaml", solver="sold", budget=0, keep="best",
+                       vary={"layers.internal": empty, "layers.external": "1:2"})) == {
+        "name", "base", "solver", "budget", "keep", "vary.layers.internal.high", "vary.layers.external"}
+    assert set(refused(tmp_path, base=None, vary=None, solver="sold", objectives={"bend_angle_deg": "up"},
+                       keep="best")) == {"base", "vary", "solver", "objectives.bend_angle_deg", "keep"}
+
+
 @pytest.mark.parametrize(("values", "path", "words"), [
-    ({"base": "nothing.yaml"}, "", "no such file"),
+    ({"base": "nothing.yaml"}, "base", "no such file"),
+    ({"base": "."}, "base", "directory"),
+    ({"vary": {"layers.internal": [1, 1.0]}}, "vary.layers.internal", "same choice twice"),
+    ({"vary": {"layers.internal": [1.4, math.nan]}}, "vary.layers.internal.choices", "finite"),
+    ({"vary": {"name": ["a", "b"]}}, "vary.name", "no 'name'"),
+    ({"vary": {"wide": {"choices": ["a"], "scales": ["layers.internal"]}}}, "vary.wide.choices", "no number"),
+    ({"vary": {"wide": {"choices": [True], "adds": {"layers.internal": 1}}}}, "vary.wide.choices",
+     "no number"),
+    ({"vary": {"fingers.index.joints": [1], "fingers.index.joints.0.slot_length": [8]}},
+     "vary.fingers.index.joints.0.slot_length", "set by 'fingers.index.joints' too"),
+    ({"vary": {"layers.internal": {"distribution": "normal", "mean": 1.4, "sigma": 0.01, "low": 50,
+                                   "steps": 3}}}, "vary.layers.internal.low", "leaves nothing"),
+    ({"vary": {"layers.internal": {"distribution": "normal", "mean": 1.4, "sigma": 0.1, "step": 0.1}}},
+     "vary.layers.internal.step", "normal"),
+    ({"vary": {"layers.internal": {"low": 1, "high": 2, "steps": 3, "mode": 1.5}}},
+     "vary.layers.internal.mode", "uniform"),
+    ({"objectives": {"fingertip_force_N": "maximise"}}, "objectives.fingertip_force_N", "no `force`"),
     ({"vary": {"layers.internal": {"low": 1, "high": 2}}}, "vary.layers.internal", "how many values"),
     ({"vary": {"layers.internal": "1:2:3"}}, "vary.layers.internal.step", "longer than the range"),
     ({"vary": {"layers.internal": "one to two"}}, "vary.layers.internal", "neither a list nor a range"),
@@ -108,6 +135,9 @@ def test_a_hash_knows_what_matters(tmp_path):
     assert not set(keys(bend={"pressures": [0, 30]})) & set(plain)
     assert not set(keys(rules="none")) & set(plain)
     assert not set(keys(model="literature")) & set(plain)
+    # A whole number is a number as any other.
+    slots = "fingers.index.joints.*.slot_length"
+    assert keys(vary={slots: [8, 9]}) == keys(vary={slots: "8:9:1"})
     # A part of a sweep, in another order, is the same variants.
     part = {"layers.internal": [1.5], "fingers.index.joints.*.slot_length": [10, 8]}
     assert set(keys(vary=part)) < set(plain)
@@ -119,9 +149,17 @@ def test_a_plan_counts_what_is_known_and_what_it_takes(tmp_path):
     store.write(task(prepared, next(draw.points(prepared.sweep))).key, {"status": "done", "wall_s": 2.0})
     found = plan(file, workers=2, store=store.folder)
     assert (found["variants"], found["known"], found["missing"]) == (6, 1, 5)
-    assert found["seconds"] == 5.0 and found["base_breaks"] == []
+    assert found["seconds"] == START_S + 5.0 and found["base_breaks"] == []
     told = said.planned(found)
-    assert "6 variants (grid, solid), 1 known, 5 to compute" in told and "2 workers: 5 s" in told
+    assert "6 variants (grid, solid), 1 known, 5 to compute" in told and "2 workers: 8 s" in told
+
+
+def test_a_plan_tells_what_becomes_of_those_it_tries(tmp_path):
+    found = plan(sweep_file(tmp_path, solver="rod", vary={"layers.internal": [50]}), store=tmp_path / "store")
+    assert found["seconds_each"] is None and "is invalid: layers.internal: too large" in said.planned(found)
+    found = plan(sweep_file(tmp_path, solver="rod", vary={"thread.pitch": [6]}, bend={"pressures": [20]}),
+                 store=tmp_path / "store")
+    assert found["base_breaks"] == [] and "tried breaks thread.gap" in said.planned(found)
 
 
 AXES = [
@@ -149,6 +187,14 @@ def test_distributions_have_their_moments():
     slope = np.array([draw.value(AXES[4], x) for x in u])
     assert slope.mean() == pytest.approx(5 / 3, rel=1e-4)  # (low + mode + high)/3
     assert np.log([draw.value(AXES[1], x) for x in u]).mean() == pytest.approx(math.log(10), rel=1e-4)
+
+
+@pytest.mark.parametrize("steps", [{"step": 0.5}, {"steps": 5}, {"steps": 5, "distribution": "loguniform"}])
+def test_an_axis_with_steps_has_no_other_values(steps):
+    axis = Axis(low=2.0, high=4.0, **steps)
+    levels = draw.levels(axis)
+    drawn = [draw.value(axis, (i + 0.5) / 100) for i in range(100)]
+    assert len(levels) == 5 and drawn == sorted(levels * 20)
 
 
 def test_grids_and_sobol_points(tmp_path):

@@ -37,6 +37,12 @@ def excess(sweep: Sweep, row: dict[str, Any]) -> float:
     return total
 
 
+def missed(sweep: Sweep, row: dict[str, Any]) -> list[str]:
+    """Constraints that a row has a value for and does not meet."""
+    return [name for name, bound in sweep.constraints.items() if (value := row.get(name)) is not None and (
+        (bound.max is not None and value > bound.max) or (bound.min is not None and value < bound.min))]
+
+
 def ranked(sweep: Sweep, rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     """Feasible rows, the best first: by the first objective, then the next; [] without objectives."""
     if not sweep.objectives:

@@ -8,8 +8,6 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
 from handgen.sweep.model import Axis, Sweep
 
 BLOCK = 1024
@@ -54,20 +52,40 @@ def points(sweep: Sweep) -> Iterator[dict[str, Any]]:
 
 def levels(axis: Axis) -> list[Any]:
     """The axis's values on a grid."""
+    return [_level(axis, i) for i in range(_size(axis))]
+
+
+def _size(axis: Axis) -> int:
+    """How many levels."""
     if axis.choices is not None:
-        return list(axis.choices)
-    if axis.steps is not None and axis.distribution is not None:
-        return [value(axis, (i + 0.5) / axis.steps) for i in range(axis.steps)]
-    if axis.steps is not None:
-        return [tidy(x) for x in np.linspace(axis.low, axis.high, axis.steps)]
-    whole = math.floor((axis.high - axis.low) / axis.step * (1 + 1e-12))
-    return [tidy(axis.low + i * axis.step) for i in range(whole + 1)]
+        return len(axis.choices)
+    return axis.steps or math.floor((axis.high - axis.low) / axis.step * (1 + 1e-12)) + 1
+
+
+def _level(axis: Axis, i: int) -> Any:
+    if axis.choices is not None:
+        return axis.choices[i]
+    if axis.steps is None:
+        return tidy(axis.low + i * axis.step)
+    if axis.distribution is not None:
+        return _between(axis, (i + 0.5) / axis.steps)
+    return tidy(axis.low + i * (axis.high - axis.low) / max(axis.steps - 1, 1))
+
+
+def stepped(axis: Axis) -> bool:
+    """Whether the axis has no values but its levels."""
+    return axis.choices is not None or axis.step is not None or axis.steps is not None
 
 
 def value(axis: Axis, u: float) -> Any:
     """The axis's value at the share `u` (0 to 1) of its distribution."""
-    if axis.choices is not None:
-        return axis.choices[min(int(u * len(axis.choices)), len(axis.choices) - 1)]
+    if stepped(axis):
+        size = _size(axis)
+        return _level(axis, min(int(u * size), size - 1))
+    return _between(axis, u)
+
+
+def _between(axis: Axis, u: float) -> float:
     match axis.distribution:
         case "normal":
             return tidy(_normal(axis, u))
@@ -89,7 +107,7 @@ def share(axis: Axis, given: Any) -> float:
         case "normal":
             from scipy.stats import norm
 
-            low, high = _cut(axis)
+            low, high = cut(axis)
             return float((norm.cdf((given - axis.mean) / axis.sigma) - low) / (high - low))
         case "loguniform":
             return math.log(given / axis.low) / math.log(axis.high / axis.low)
@@ -105,7 +123,16 @@ def tidy(number: float) -> float:
     return float(f"{number:.{DIGITS}g}")
 
 
-def _cut(axis: Axis) -> tuple[float, float]:
+def plain(data: Any) -> Any:
+    """`data` with whole numbers as any others: 8 and 8.0 are one value."""
+    if isinstance(data, dict):
+        return {key: plain(child) for key, child in data.items()}
+    if isinstance(data, list | tuple):
+        return [plain(child) for child in data]
+    return float(data) if isinstance(data, int) and not isinstance(data, bool) else data
+
+
+def cut(axis: Axis) -> tuple[float, float]:
     """Shares of the whole bell below the axis's two ends."""
     from scipy.stats import norm
 
@@ -117,5 +144,5 @@ def _cut(axis: Axis) -> tuple[float, float]:
 def _normal(axis: Axis, u: float) -> float:
     from scipy.stats import norm
 
-    low, high = _cut(axis)
+    low, high = cut(axis)
     return axis.mean + axis.sigma * float(norm.ppf(min(max(low + u * (high - low), 1e-9), 1 - 1e-9)))

@@ -117,7 +117,7 @@ def _suggest(trial: optuna.Trial, name: str, axis: Axis) -> None:
     """A range as it is; a choice or a level by its number, so that it may be of any kind."""
     if axis.choices is not None:
         trial.suggest_categorical(name, range(len(axis.choices)))
-    elif axis.steps is not None or axis.step is not None:
+    elif draw.stepped(axis):
         trial.suggest_int(name, 0, len(draw.levels(axis)) - 1)
     else:
         trial.suggest_float(name, axis.low, axis.high, log=axis.distribution == "loguniform")
@@ -125,8 +125,8 @@ def _suggest(trial: optuna.Trial, name: str, axis: Axis) -> None:
 
 def _values(sweep: Sweep, params: dict[str, Any]) -> dict[str, Any]:
     """Axis -> value of a trial."""
-    return {name: draw.tidy(params[name]) if axis.choices is None and axis.steps is None and axis.step is None
-            else draw.levels(axis)[params[name]] for name, axis in sweep.vary.items()}
+    return {name: draw.levels(axis)[params[name]] if draw.stepped(axis) else draw.tidy(params[name])
+            for name, axis in sweep.vary.items()}
 
 
 def _tell(study: optuna.Study, sweep: Sweep, trial: int, row: dict[str, Any] | None) -> None:

@@ -13,9 +13,11 @@ BEND = {
     "max_stretch": "largest stretch anywhere",
 }
 """Results of a bend: at the last pressure, and with `_<kPa>` behind at each one."""
+FORCED = "fingertip_force_N"
+"""The one result that a sweep must ask for, by `force`."""
 FIXED = {
     "bend_angle_error_deg": "what the solver itself says its bend may be off; empty where it says nothing",
-    "fingertip_force_N": "force on the plane of `force`, at its pressure",
+    FORCED: "force on the plane of `force`, at its pressure",
     "hinge_strain": "largest strain of the finger's strips at full curl, as the rule hinge.strain has it",
     "least_wall_mm": "thinnest wall of the finger's exoskeleton, radially",
     "chamber_ml": "air in the actuator's chamber",
@@ -47,5 +49,5 @@ def at(name: str, pressure: float) -> str:
 
 def names(sweep: Sweep, pressures: Sequence[float]) -> list[str]:
     """Every number of a row, in the table's order."""
-    forced = () if sweep.force else ("fingertip_force_N",)
+    forced = () if sweep.force else (FORCED,)
     return [*BEND, *(at(name, p) for p in pressures for name in BEND), *(n for n in FIXED if n not in forced)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
 import uuid
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from handgen.sweep import draw, table
-from handgen.sweep.best import feasible, ranked, save_kept
+from handgen.sweep.best import feasible, missed, ranked, save_kept
 from handgen.sweep.cluster import Cluster, Job, cluster
 from handgen.sweep.load import Prepared, prepare
 from handgen.sweep.plan import base_breaks, output
@@ -23,6 +24,8 @@ from handgen.sweep.work import retried
 RESULTS, CONFIRMED = "results.parquet", "confirmed.parquet"
 TOLD = 5
 """Best variants that a run tells of, whatever it keeps."""
+REASONS = 100
+"""Different ones that a run counts."""
 EVERY = 2.0
 """Seconds between two lines of progress."""
 Progress = Callable[[str], None]
@@ -43,11 +46,11 @@ def run(file: str | os.PathLike, *, out: str | os.PathLike | None = None, worker
     folder, runner = output(prepared, out), Runner(prepared, Store(store or default()), progress)
     if broken := base_breaks(prepared):
         say(f"note: the base file breaks {', '.join(broken)}")
+    folder.mkdir(parents=True, exist_ok=True)
     with runner.using(workers, scheduler):
         if prepared.sweep.method == "optimise":
             from handgen.sweep.optimise import optimise
 
-            folder.mkdir(parents=True, exist_ok=True)
             variants = optimise(prepared, runner, folder)
         else:
             variants = None
@@ -57,17 +60,19 @@ def run(file: str | os.PathLike, *, out: str | os.PathLike | None = None, worker
         best = tally.best
         confirmed = _confirm(prepared, runner, best, folder) if prepared.sweep.confirm else []
         # What was screened and not confirmed is not kept.
-        chosen = ranked(prepared.sweep, confirmed) if prepared.sweep.confirm else best
+        held = ranked(prepared.sweep, confirmed)
+        chosen = held if prepared.sweep.confirm else best
         kept = save_kept(prepared, chosen[:prepared.kept], folder, say)
     counts = tally.statuses
     return {
         "schema": "handgen.sweep-run/1", "name": prepared.sweep.name, "out": str(folder),
         "results": str(folder / RESULTS), "variants": sum(counts.values()), "computed": runner.computed,
         "reused": sum(counts.values()) - runner.computed_screening, "statuses": dict(counts),
-        "feasible": tally.feasible,
+        "feasible": tally.feasible, "reasons": tally.told_reasons(), "rules_broken": dict(tally.broken),
+        "bounds_missed": dict(tally.missed),
         "axes": list(prepared.sweep.vary), "objectives": prepared.sweep.objectives,
         "constraints": list(prepared.sweep.constraints), "best": best[:max(TOLD, prepared.kept)],
-        "confirmed": confirmed, "kept": kept,
+        "confirmed": confirmed, "held": len(held) if prepared.sweep.confirm else None, "kept": kept,
         "wall_s": round(time.perf_counter() - begun, 3),
     }
 
@@ -191,15 +196,16 @@ def duration(seconds: float) -> str:
 class Rows:
     """The sweep's rows in its order, read from the store every time they are asked for."""
 
-    def __init__(self, prepared: Prepared, store: Store, variants: list[dict] | None = None, by=None):
-        self.prepared, self.store, self.variants = prepared, store, variants
+    def __init__(self, prepared: Prepared, store: Store, variants: list[dict] | None = None, by=None,
+                 numbers: list[int] | None = None):
+        self.prepared, self.store, self.variants, self.numbers = prepared, store, variants, numbers
         self.by = by or (lambda one: one)
         varied = "bend.pressure" in prepared.sweep.vary
         self.kinds = table.columns(prepared, () if varied else prepared.pressures)
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         points = self.variants if self.variants is not None else draw.points(self.prepared.sweep)
-        for number, values in enumerate(points):
+        for number, values in zip(self.numbers or itertools.count(), points, strict=False):
             key = self.by(task(self.prepared, values)).key
             row = self.store.read(key) or {"status": "failed", "reason": "the store has lost it"}
             yield {"variant": number, "hash": key, **values, **row}
@@ -210,6 +216,7 @@ class Tally:
 
     def __init__(self, prepared: Prepared):
         self.sweep, self.statuses, self.feasible = prepared.sweep, Counter(), 0
+        self.broken, self.missed, self._reasons = Counter(), Counter(), Counter()
         self._best: list[dict[str, Any]] = []
         self.most = max(TOLD, prepared.kept, prepared.sweep.confirm.best if prepared.sweep.confirm else 0)
 
@@ -222,7 +229,23 @@ class Tally:
                 self._best.append(row)
                 if len(self._best) > 2 * self.most:
                     self._best = self.best
+            else:
+                self._blame(row)
             yield row
+
+    def _blame(self, row: dict[str, Any]) -> None:
+        """Count why `row` is none of the feasible ones."""
+        if row["status"] != "done":
+            why = row["status"], row["reason"]
+            if why in self._reasons or len(self._reasons) < REASONS:
+                self._reasons[why] += 1
+        self.broken.update(filter(None, row.get("rules_broken", "").split(", ")))
+        self.missed.update(missed(self.sweep, row))
+
+    def told_reasons(self) -> list[dict[str, Any]]:
+        """The reasons that most rows have."""
+        return [{"status": status, "reason": reason, "rows": rows}
+                for (status, reason), rows in self._reasons.most_common(TOLD)]
 
     @property
     def best(self) -> list[dict[str, Any]]:
@@ -240,9 +263,10 @@ def _confirm(prepared: Prepared, runner: Runner, best: list[dict], folder: Path)
     screening = runner.computed_screening
     runner.compute(iter([confirming(task(prepared, values), by) for values in wanted]), total=len(wanted))
     runner.computed_screening = screening
-    rows = Rows(prepared, runner.store, wanted, lambda one: confirming(one, by))
+    rows = Rows(prepared, runner.store, wanted, lambda one: confirming(one, by),
+                [row["variant"] for row in best[:by.best]])
     table.write(folder / CONFIRMED, prepared, rows.kinds, rows)
     for row in rows:
         if row["status"] not in FINISHED:
-            runner.say(f"note: {row['hash'][:8]} was not confirmed: {row['status']}, {row['reason']}")
+            runner.say(f"note: variant {row['variant']} was not confirmed: {row['status']}, {row['reason']}")
     return [row for row in rows if row["status"] in FINISHED]

@@ -17,10 +17,14 @@ def planned(plan: dict[str, Any]) -> str:
     for name, axis in plan["axes"].items():
         values = f"{axis['values']} values" if axis["values"] else "drawn"
         lines.append(f"  {name}: {values}, sets {axis['sets']} number{'s' if axis['sets'] > 1 else ''}")
-    if plan["seconds"] is not None:
+    if plan["missing"] and plan["seconds"] is not None:
         lines.append(f"{plan['seconds_each']:.2g} s a variant, {plan['workers']} workers:"
                      f" {duration(plan['seconds'])}; {plan['store_MB']:.3g} MB of disk,"
                      f" about {plan['memory_MB']:.0f} MB of memory")
+    for one in plan["tried"]:
+        if one["reason"] or one["rules_broken"]:
+            lines.append("note: one that was tried " + (
+                f"is {one['status']}: {one['reason']}" if one["reason"] else f"breaks {one['rules_broken']}"))
     if plan["confirms"]:
         lines.append(f"then the best {plan['confirms']} are confirmed, which is not counted here")
     if plan["base_breaks"]:
@@ -33,17 +37,24 @@ def ran(result: dict[str, Any]) -> str:
     statuses = ", ".join(f"{count} {status}" for status, count in sorted(result["statuses"].items()))
     lines = [f"{result['variants']} variants: {statuses}; {result['computed']} computed,"
              f" {result['reused']} known before"]
+    lines += [f"  {found['rows']} {found['status']}: {found['reason']}" for found in result["reasons"]]
+    for what, told in (("rules_broken", "break"), ("bounds_missed", "miss")):
+        lines += [f"  {rows} {told} {name}" for name, rows in sorted(result[what].items())]
     if result["best"]:
         lines += ["", *_rows(result["best"][:5], result)]
     elif result["objectives"] and not result["feasible"]:
         lines.append("no variant keeps to every rule and constraint")
     if result["confirmed"]:
-        lines += ["", "confirmed:", *_rows(result["confirmed"], result)]
-    return "\n".join([*lines, "", f"results: {result['results']}"])
+        lines += ["", "confirmed:", *_rows(result["confirmed"], result, "rules_broken")]
+        if not result["held"]:
+            lines.append("none of them keeps to every rule and constraint")
+    lines += ["", *(f"kept: {file}" for file in result["kept"])]
+    return "\n".join([*lines, f"results: {result['results']}"])
 
 
-def _rows(rows: list[dict[str, Any]], result: dict[str, Any]) -> list[str]:
-    shown = ["variant", *result["axes"], *result["objectives"], *result["constraints"]]
+def _rows(rows: list[dict[str, Any]], result: dict[str, Any], *more: str) -> list[str]:
+    shown = ["variant", *result["axes"], *result["objectives"], *result["constraints"],
+             *(name for name in more if any(row.get(name) for row in rows))]
     heads = [name.split(".")[-1] if name in result["axes"] else name for name in shown]
     cells = [[_cell(row.get(name)) for name in shown] for row in rows]
     widths = [max(len(head), *(len(row[i]) for row in cells)) + 2 for i, head in enumerate(heads)]

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from handgen.bending import solvers
-from handgen.sweep import keypath
+from handgen.sweep import draw, keypath, load
 from handgen.sweep.load import BEND, FORCE, HAND, MODEL, Prepared
 from handgen.sweep.model import Bending, Confirm, Force
 
 FORMAT = 1
 """Of rows; another one is another hash."""
-SILENT = {HAND: ("schema", "name", "description", "assumed"),
+SILENT = {HAND: load.SILENT,
           MODEL: ("schema", "name", "description", "sources", "assumed", "fitted")}
 """Keys that no result depends on."""
 SOURCES = ("bending", "checks", "geometry", "materials", "mechanics", "parameters", "simulation",
@@ -45,7 +45,7 @@ class Task:
             "format": FORMAT, "version": version(), "hand": _told(self.hand, SILENT[HAND]),
             "model": _told(self.model, SILENT[MODEL]), "bend": self.bend, "force": self.force,
             "solver": [self.solver, _solver_version(self.solver)], "rules": self.rules}
-        text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=True)
+        text = json.dumps(draw.plain(content), sort_keys=True, separators=(",", ":"), allow_nan=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 

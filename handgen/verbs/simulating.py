@@ -183,7 +183,7 @@ def _sweep(arguments: argparse.Namespace, output: Output) -> int:
     output.result(result, said.ran(result))
     if not set(result["statuses"]) & {"done", "incomplete"}:
         return ENGINE if set(result["statuses"]) - {"invalid", "refused"} else FAILED
-    return PASSED if result["feasible"] else FAILED
+    return PASSED if result["feasible"] and result["held"] != 0 else FAILED
 
 
 VERBS = {
