@@ -40,7 +40,7 @@ def share(system: System, q: np.ndarray, step: np.ndarray, force: np.ndarray) ->
     if before <= 0.0:
         return 1.0
     at_first, reckoned = along(system.placed, moved, turned, 0.0, *what)
-    other = max(0.0, before - reckoned)
+    other = before - reckoned
 
     def beyond(part: float) -> float:
         """The force along the step after a part of it, N mm."""
@@ -71,22 +71,30 @@ def along(x, moved, turned, part, nodes, shares, bodies, kinds, area, swell, pie
         step[:3], step[3:] = go, turned[b]
         at += part * go
         seen(at, pivot[b], origin[b], angle[b], states[b] + part * turned[b], s, slope)
-        slid = np.sum(slope[0] * step)
+        slid, aside, up = np.sum(slope[0] * step), np.sum(slope[1] * step), np.sum(slope[2] * step)
+        # How the turn bends the way of s: what `contact.add_turning` adds, along the step.
+        bent_x = -turned[b, 2] * (2 * up - turned[b, 2] * slope[2, 5])
+        bent_z = turned[b, 2] * (2 * slid - turned[b, 2] * slope[0, 5])
         if kinds[e] != BORE:
-            gap, grown = high[b] - s[0], -slid
+            gap, grown, bends = high[b] - s[0], -slid, -bent_x
         else:
             rho = np.sqrt(s[1] * s[1] + s[2] * s[2]) / swell
-            r, d, _ = bore_at(pieces, s[0], low[b], high[b], RIM)
+            q = rho * swell**2
+            r, d, c = bore_at(pieces, s[0], low[b], high[b], RIM)
             gap = r - rho
-            grown = d * slid - (
-                s[1] * np.sum(slope[1] * step) + s[2] * np.sum(slope[2] * step)) / (rho * swell**2)
+            closes = (s[1] * aside + s[2] * up) / q
+            grown = d * slid - closes
+            bends = (c * slid**2 + closes**2 / rho - (aside**2 + up**2) / q + d * bent_x - s[2] / q * bent_z)
         _, push, _ = onset(gap, PENALTY * area[e], SOFT)
         total += push * grown
         reckoned += stiff[e] * grown * grown
+        if stiff[e] > 0.0:
+            # As the tangent takes it: no more than the gap's force in a bore.
+            reckoned -= bends * (pressed[e] if kinds[e] != BORE else min(pressed[e], -push))
         if kinds[e] == BORE and friction > 0.0 and push < 0.0:
             way = s[0] - anchors[e]
             now, _ = bond(way)
             total -= friction * push * now * slid
-            reckoned += friction * slid * (
-                pressed[e] * chord(way, now, dragged[e]) * slid - now * stiff[e] * grown)
+            reckoned += friction * (pressed[e] * (chord(way, now, dragged[e]) * slid**2 + now * bent_x)
+                                    - now * slid * stiff[e] * grown)
     return total, reckoned
