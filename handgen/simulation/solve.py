@@ -116,37 +116,52 @@ class Solver:
     def advance(self, point: Point, target: Load) -> tuple[Point, bool]:
         """(the furthest stable state towards `target`, whether it got there)."""
         folds: tuple[float, ...] = ()
-        while True:
-            gap = np.subtract(target.parts, point.load.parts)
-            wanted = max((abs(g) / s for g, s in zip(gap, self._steps, strict=True)), default=0.0)
-            if wanted < 1e-9:
-                return replace(point, folds=folds), True
-            share = min(1.0, 1.0 / wanted)
-            if 1.0 < wanted < 2.0:
-                share = 0.5  # two equal steps rather than a long and a tiny one
-            new = point.load.towards(target, share) if share < 1.0 else target
+        whole = np.abs(np.subtract(target.parts, point.load.parts))
+        if not whole.any():
+            return replace(point, folds=folds), True
+        start, gone, last = point.load, 0.0, 1.0
+        failed = []  # shares of the way, the nearest last
+        while gone < 1.0:
+            ahead = self._ahead(whole, 1.0 - gone, failed[-1] - gone if failed else np.inf, last)
+            new = start.towards(target, gone + ahead) if gone + ahead < 1.0 - 1e-9 else target
             found = self._step(point, new)
             if found is not None:
                 self.cost.steps += 1
                 point, iterations = found
+                gone, last = (1.0 if new is target else gone + ahead), ahead
+                failed = [other for other in failed if other > gone]
                 if iterations <= EASY:
-                    self._scale(gap, GROWTH if iterations > PLAIN else GROWTH**2)
+                    self._scale(whole, GROWTH if iterations > PLAIN else GROWTH**2)
                 continue
             self.cost.cuts += 1
             self._slope = None
-            self._scale(gap, CUT)
-            if self._shortest(gap):
+            failed.append(gone + ahead)
+            self._steps = [w * ahead * CUT if w else s for w, s in zip(whole, self._steps, strict=True)]
+            if self._shortest(whole):
                 # A long step on: nearer to the limit point it would linger there.
-                ahead = float(np.abs(gap / LONGEST.parts).max())
-                jumped = self._relaxed(point.q, point.load.towards(target, min(1.0, 1 / ahead)))
+                gone = min(1.0, gone + 1.0 / float((whole / LONGEST.parts).max()))
+                jumped = self._relaxed(point.q, start.towards(target, gone))
                 if jumped is None or not self._stable(jumped):
                     return replace(point, folds=folds), False
                 if self._unstable and self._apart(jumped.q, point.q) > JUMP:
                     folds += (point.load.pressure,)
                     self.folds.append(point.load.pressure)
-                point = jumped
+                point, failed = jumped, []
                 self.system.accept(point.q)
                 self._steps = [AFTER * first for first in STEPS.parts]
+        return replace(point, folds=folds), True
+
+    def _ahead(self, whole: np.ndarray, left: float, room: float, last: float) -> float:
+        """The next step as a share of the `whole` way, of which so much is `left`.
+
+        Where a longer step failed, `room` ahead, it leads only from no farther than the `last` one went.
+        """
+        step = min(s / w for s, w in zip(self._steps, whole, strict=True) if w)
+        if room <= left and step >= room:
+            return room if room <= last * (1 + 1e-9) else room / 2
+        if step < left < 2 * step:
+            return left / 2  # two equal steps rather than a long and a tiny one
+        return min(step, left)
 
     def _apart(self, q: np.ndarray, other: np.ndarray) -> float:
         """The farthest that any place is from itself in another state, mm."""
@@ -236,7 +251,7 @@ class Solver:
         wall that gives way ends it (`handgen.simulation.runaway`); `ran_away` keeps it.
         """
         s = self.system
-        centre, strength, calm = q, DRAG, CALM
+        centre, strength, weak, calm = q, DRAG, 0.0, CALM
         self._unstable = False
         for _ in range(RELAXATIONS):
             _, _, values, _ = s.assemble(centre, load, exact=True)
@@ -244,7 +259,7 @@ class Solver:
             s.extrapolate(centre, np.zeros_like(centre))
             found = self._newton(centre, load, strength * s.inertia, centre)
             if found is None:
-                strength *= 5.0
+                weak, strength = strength, 3.0 * strength
                 if strength > 1e6 * DRAG:
                     return None
                 continue
@@ -261,7 +276,8 @@ class Solver:
                 if free is not None:
                     return Point(load, free[0], free[1])
                 calm = dragged / 10
-            strength *= 0.4 if found[2] <= EASY else 0.8
+            strength *= 0.8 if found[2] > EASY else 0.4 if found[2] > PLAIN else 0.16
+            strength, weak = max(strength, 1.5 * weak), 0.8 * weak
         return None
 
     def _stable(self, point: Point) -> bool:
