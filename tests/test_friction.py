@@ -86,3 +86,20 @@ def test_a_step_is_shortened_to_where_contact_stops_it(system):
     dofs = system.node_dofs[nodes][:, 1:]
     inwards[dofs[dofs >= 0]] = -0.1 * system.drawn[nodes][:, 1:][dofs >= 0]
     assert line_search.share(system, q, inwards, -10.0 * inwards) == 1.0
+
+
+def test_a_step_is_reckoned_with_as_contact_changes_along_it(system):
+    """Where extrapolated forces are the state's own: curvature of gaps, turning bones and friction included."""
+    q, rng = swollen(system), np.random.default_rng(3)
+    q[system.turns] = 0.1
+    pulled(system, [0.0, 0.02], q)
+    q[system.body_dofs[-1, 0]] = 0.03
+    system.assemble(q, Load(), exact=True)
+    system.extrapolate(q, np.zeros(system.size))
+    system.assemble(q, Load(), exact=False)
+    what = (*system.touching(q), MU, system.anchors, system.pair_stiffness, system.pressed, system.dragged)
+    for _ in range(3):
+        moved, turned = system.moved(rng.normal(size=system.size) * 1e-2)
+        _, reckoned = line_search.along(system.placed, moved, turned, 0.0, *what)
+        after, before = (line_search.along(system.placed, moved, turned, h, *what)[0] for h in (1e-5, -1e-5))
+        assert reckoned == pytest.approx((after - before) / 2e-5, rel=1e-5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from handgen.simulation import solid
@@ -48,3 +49,17 @@ def test_friction_rests_on_the_normal_forces_of_the_state_itself(pressures):
         found = state(system, point)
         assert judge.judge(found.positions, found.pressure).unbalanced < LIMIT
     assert judge.judge(found.positions, found.pressure, rubbing=0 * system.normal).unbalanced > 30 * LIMIT
+
+
+@pytest.mark.parametrize(("left", "room", "last", "expected"), [
+    (1.0, np.inf, 0.1, 0.3),   # as long as steps are
+    (0.5, np.inf, 0.1, 0.25),  # two equal ones to the end
+    (0.2, np.inf, 0.1, 0.2),
+    (0.9, 0.2, 0.2, 0.2),      # where one failed before, from no farther than the last one went
+    (0.9, 0.2, 0.1, 0.1),
+    (0.3, 0.3, 0.1, 0.15),
+])
+def test_steps_come_nearer_to_where_one_failed(left, room, last, expected):
+    solver = Solver(System(case("actuator")))
+    solver._steps = [1.0, 0.03, 1.0, 1.0, 1.0]
+    assert solver._ahead(np.array([0.0, 0.1, 0.0, 0.0, 0.0]), left, room, last) == pytest.approx(expected)
