@@ -89,7 +89,7 @@ def test_a_step_is_shortened_to_where_contact_stops_it(system):
 
 
 def test_a_step_is_reckoned_with_as_contact_changes_along_it(system):
-    """Where extrapolated forces are the state's own: curvature of gaps, turning bones and friction included."""
+    """Where extrapolated forces are the state's own: curvature of gaps, turning bones, friction."""
     q, rng = swollen(system), np.random.default_rng(3)
     q[system.turns] = 0.1
     pulled(system, [0.0, 0.02], q)

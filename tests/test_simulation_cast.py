@@ -124,8 +124,8 @@ def test_finger_and_actuator_share_the_curl_and_give_it_back():
 
 
 def test_a_narrow_bore_closes_on_its_actuator():
-    """0.2 mm narrower all around, drawn so, nothing would be in balance: the bore closes from where it touches,
-    and the wall ends pressed in by as much, less what the contact gives."""
+    """0.2 mm narrower all around, nothing would be in balance as drawn: the bore closes from where it
+    touches, and the wall ends pressed in by as much, less what the contact gives."""
     asked = curled(contact=Contact(clearance=-0.2))
     assert (asked.tight, curled().tight, curled(contact=Contact(clearance=0.1)).tight) == (
         pytest.approx(0.2), 0.0, 0.0)

@@ -56,7 +56,8 @@ class TestTangents:
             system, load = System(replace(case("actuator"), offset=0.4)), Load(0.0, 0.02, 0.0, 0.3)
         elif what == "strained by a curl":
             curled = case("assembly", params="thesis_hand.yaml")
-            system, load = System(replace(curled, root_angle=0.3, curl_taken=0.2)), Load(0.7, 0.02, 0.0, 0.2, 0.6)
+            system = System(replace(curled, root_angle=0.3, curl_taken=0.2))
+            load = Load(0.7, 0.02, 0.0, 0.2, 0.6)
         elif what == "soft base":
             system = System(replace(case("exoskeleton", tip_loads=[0.3]), base_compliance=0.01))
             system.blocks, load = [], Load(0.7, 0.0, 0.3)

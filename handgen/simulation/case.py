@@ -114,7 +114,7 @@ class Case:
 
     @property
     def tight(self) -> float:
-        """mm by which the bore is narrower, where it is most so, than the actuator that lies in it; 0: nowhere."""
+        """mm by which the bore, where it is narrowest, is narrower than its actuator; 0: nowhere."""
         if self.part != "assembly" or self.contact.bonded:
             return 0.0
         x = np.linspace(self.held, min(self.actuator.length, self.finger.finger.inner_length), 101)

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-
 WIDE = 4
 """Times as many neighbours as usual, from which on an unknown is eliminated last."""
 
