@@ -125,6 +125,19 @@ def test_something_else_is_outside_and_never_named():
     assert verdict(score(lib, readings(lib, lib.baseline + odd))).word == "outside"
 
 
+def test_what_is_unknown_is_called_so_only_where_that_is_rather_so_than_not():
+    lib = library()
+    odd = np.where(lib.owner == 1, 3.0 * np.cos(lib.loads / 5), 0.0)
+    found = score(lib, readings(lib, lib.baseline + odd))
+    best, second, *others = found.hypotheses
+    assert best.id == "outside"
+    for share, word in ((0.6, "outside"), (0.45, "ambiguous")):
+        third, *rest = [replace(h, probability=0.0) for h in others]
+        split = (replace(best, probability=share), replace(second, probability=0.3),
+                 replace(third, probability=0.7 - share), *rest)
+        assert verdict(replace(found, hypotheses=split)).word == word
+
+
 def test_a_struck_off_effect_is_not_replaced_by_a_wrong_one():
     lib = library().without("sag", "curl", "slide", "glide")
     said = verdict(score(lib, readings(lib, truth(library(), sag=1.0))))
@@ -182,6 +195,17 @@ def test_what_only_another_kind_of_test_tells_apart_is_one_class_until_it_is_don
                     + np.random.default_rng(3).standard_normal((3, 3)), 0.5)
     settled = verdict(score(held, Observed((*seen.tests, done))))
     assert (settled.word, settled.effects) == ("named", ("curl",))
+
+
+def test_what_moves_nothing_that_was_read_is_no_rival(monkeypatch):
+    lib = library()
+    moves = lib.responses["soft"]
+    still = replace(moves, predictions=np.broadcast_to(lib.baseline, moves.predictions.shape))
+    monkeypatch.setattr(untold, "catalogue", lambda: {"soft": SimpleNamespace(told_by={"curl": ("force",)})})
+    seen = readings(lib, truth(lib, curl=1.2))
+    assert verdict(score(lib, seen)).untold == ("curl", "soft")
+    alone = replace(lib, responses={**lib.responses, "soft": still})
+    assert verdict(score(alone, seen)).effects == ("curl",) and not verdict(score(alone, seen)).untold
 
 
 def test_a_size_that_only_an_unread_test_cannot_predict_stays_possible():

@@ -9,12 +9,14 @@ import yaml
 
 from handgen import cli, effects
 from handgen.bending import model, solve
-from handgen.bending.comparison import asked, readings
+from handgen.bending.comparison import asked, direct, readings
 from handgen.bending.model import load_model
 from handgen.bending.request import request
+from handgen.discrepancy.candidates import candidates
 from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.errors import EngineError, InputError
 from handgen.measurements import load_measurements
+from handgen.measurements.model import DIRECT
 from tests.bend_case import ADULT_FILE, model_file
 from tests.strategies import PARAMS
 
@@ -161,6 +163,23 @@ def test_lengths_and_forces_are_read_as_scale_and_balance_show_them(coimbra, stu
     angle, force = CATALOGUE["contact_angle"], [0.0, None, 0.8]
     assert angle.on_reading("tip_force", [0, 1, 2], force, {"angle": 60.0}) == [0.0, None, pytest.approx(0.4)]
     assert CATALOGUE["scale_error"].on_reading("bend_angle", [0.0], [30.0], {"factor": 1.1}) == [30.0]
+
+
+def test_instruments_show_what_an_effect_does_without_a_bend(coimbra):
+    """A manometer at the inlet, and the direction of the fingertip's force on a photograph."""
+    found = {test.observable.quantity: test for test in candidates(coimbra.measurements.tests) if test.direct}
+    assert set(found) == set(DIRECT)
+    manometer, photograph = found["chamber_pressure"], found["force_angle"]
+    loads = manometer.load.values
+
+    def shown(test, name, **parameters):
+        return direct(test, asked(coimbra, test, switched(name, **parameters)))
+
+    assert shown(manometer, "contact_angle", angle=30.0) == pytest.approx(loads)
+    assert shown(manometer, "pressure_offset", offset=-4.0) == pytest.approx([p - 4 for p in loads])
+    assert shown(manometer, "pressure_gain", factor=0.9) == pytest.approx([0.9 * p for p in loads])
+    assert shown(photograph, "pressure_offset", offset=-4.0) == [0.0] * len(photograph.load.values)
+    assert shown(photograph, "contact_angle", angle=35.0) == [35.0] * len(photograph.load.values)
 
 
 def test_a_stop_and_a_fold_are_told_by_the_gauge(stub, monkeypatch):

@@ -140,6 +140,17 @@ def test_a_loosely_wound_actuator_goes_less_far_at_first_and_farther_in_the_end(
     assert shift[0] < 0 < shift[-1]
 
 
+def test_instruments_read_what_is_off_and_nothing_else():
+    manometer = Probe("man", "actuator", "chamber_pressure", (20.0, 40.0, 60.0), "weightless")
+    photograph = Probe("photo", "assembly", "force_angle", (40.0, 80.0), obstacle=40.0)
+    assert run(World(), manometer).tolist() == [20.0, 40.0, 60.0] and not run(World(), photograph).any()
+    off, size = EFFECTS["pressure_offset"](World(), np.random.default_rng(3))
+    assert run(off, manometer) - run(World(), manometer) == pytest.approx(size, abs=1e-3)
+    slanted, size = EFFECTS["contact_angle"](World(), np.random.default_rng(3))
+    assert run(slanted, photograph) == pytest.approx([size + 2.0, size + 4.0])
+    assert not run(off, photograph).any()
+
+
 def test_all_effects_of_the_contract_are_there_and_at_least_five_others():
     assert len(EFFECTS) == 18 and len(OUTSIDE) >= 5 and not set(EFFECTS) & set(OUTSIDE)
 

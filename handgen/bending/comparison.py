@@ -87,6 +87,16 @@ def observed(test: Test, curve: Curve) -> list[float | None]:
     return [FROM_STATE[name] * getattr(state, name) if state.converged else None for state in curve.states]
 
 
+def direct(test: Test, wanted: Request) -> list[float | None]:
+    """What `test` reads at each of its loads where that takes no bend, with the effects of `wanted`."""
+    values: list[float | None] = [0.0] * len(test.load.values)
+    if test.observable.quantity == "chamber_pressure":
+        values = [1e3 * pressure for pressure in wanted.case.pressures]
+    for effect, parameters in wanted.effects:
+        values = list(effect.on_reading(test.observable.quantity, test.load.values, values, parameters))
+    return values
+
+
 def loads(test: Test, curve: Curve) -> list[float]:
     """The loads of the states of `curve`, in the unit of `test`."""
     if test.load.quantity == "tip_load":

@@ -140,7 +140,7 @@ def _requests(measured: Measured, models: Sequence[str]) -> list[tuple[Test, str
     """
     problems: list[Problem] = []
     found = []
-    for test in measured.measurements.tests:
+    for test in (one for one in measured.measurements.tests if not one.direct):
         between = np.linspace(0.0, max(test.load.values), POINTS[test.load.quantity] + 1).round(4).tolist()
         for model in models:
             try:

@@ -44,8 +44,8 @@ def next_test(scores: Scores, candidates: Sequence[str], sigmas: Mapping[str, fl
     `sigmas`: of a mean reading, by quantity, in its unit. `untold`: effects that are to be parted first.
     """
     if untold:
-        paths = set().union(*(telling(*two) for two in combinations(untold, 2)))
-        able = {test.id for test in scores.problem.library.tests if test.path in paths}
+        means = set().union(*(telling(*two) for two in combinations(untold, 2)))
+        able = {test.id for test in scores.problem.library.tests if {test.path, test.quantity} & means}
         scores, candidates = _even(scores, untold), [name for name in candidates if name in able]
     found = [proposal(scores, name, sigmas) for name in candidates]
     best = max(found, key=lambda one: one.gain, default=None)

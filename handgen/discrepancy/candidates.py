@@ -1,4 +1,5 @@
-"""Tests that a lab with these set-ups could do next: another reading, another way up, the way back."""
+"""Tests that a lab with these set-ups could do next: another reading, another way up, the way back, a second
+instrument."""
 
 from __future__ import annotations
 
@@ -8,9 +9,10 @@ from typing import Any
 from handgen.measurements.model import Test
 
 SAME = ("part", "orientation", "path", "obstacle")
-SIGMAS = {"tip_drop": 0.5, "elongation": 0.25, "bend_angle": 1.0, "tip_force": 0.01}
+SIGMAS = {"tip_drop": 0.5, "elongation": 0.25, "bend_angle": 1.0, "tip_force": 0.01, "chamber_pressure": 0.3,
+          "force_angle": 2.0}
 """Of the mean of three repeats, as the source's scatter: mm, mm; a protractor on a photograph, deg; a
-balance, N."""
+balance, N; a manometer, kPa; the force's direction on a photograph, deg."""
 HOLD = (0.0, 60.0, 300.0, 900.0, 1800.0)
 """s at which a held load is read."""
 PREFIX = "ask-"
@@ -30,9 +32,12 @@ def candidates(tests: Sequence[Test]) -> list[Test]:
 
 def _around(test: Test) -> Iterator[Test]:
     """Tests on the set-up of `test`."""
-    if test.obstacle is not None or test.path != "loading":
+    if test.path != "loading":
         return
-    if test.part == "assembly":
+    if test.obstacle is not None:
+        if test.observable.quantity == "tip_force":
+            yield _like(test, "force_angle", "deg")
+    elif test.part == "assembly":
         yield _like(test, "bend_angle", "deg")
         yield _like(test, "tip_drop", "mm", orientation="palm_up")
         yield _like(test, "tip_drop", "mm", path="unloading", loads=test.load.values[::-1])
@@ -40,6 +45,8 @@ def _around(test: Test) -> Iterator[Test]:
     elif test.part == "exoskeleton":
         yield _like(test, "tip_drop", "mm", orientation="palm_up")
     else:
+        yield _like(test, "bend_angle", "deg")
+        yield _like(test, "chamber_pressure", "kPa")
         yield _like(test, "elongation", "mm", path="unloading", loads=test.load.values[::-1])
         yield _like(
             test, "elongation", "mm", path="hold", loads=[_middle(test)] * len(HOLD), times=list(HOLD)
@@ -90,6 +97,8 @@ def words(test: Test) -> str:
         "elongation": "the actuator's elongation",
         "bend_angle": "the angle of the fingertip",
         "tip_force": "the fingertip's force",
+        "chamber_pressure": "a manometer at the inlet",
+        "force_angle": "the direction of the fingertip's force, on a photograph from the side,",
     }
     what = {
         "assembly": "finger with its actuator",

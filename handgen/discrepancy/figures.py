@@ -19,6 +19,8 @@ READINGS = {
     "elongation": "actuator longer by",
     "bend_angle": "bend of the tip",
     "tip_force": "fingertip force",
+    "chamber_pressure": "pressure at the inlet",
+    "force_angle": "slant of the force",
 }
 LOADS = {"pressure": "pressure", "tip_load": "weight on the tip"}
 MOST, LEAST = 8, 1e-3

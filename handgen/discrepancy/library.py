@@ -17,6 +17,7 @@ import numpy as np
 
 from handgen import atomic
 from handgen.discrepancy.dense import Dense, dense
+from handgen.measurements.model import DIRECT
 
 FORMAT = 1
 RESPONSE = ("predictions", "jacobian", "structural")
@@ -41,6 +42,11 @@ class Series:
     def kind(self) -> str:
         """Tests of one kind share what the model gets wrong."""
         return f"{self.part} {self.quantity}"
+
+    @property
+    def direct(self) -> bool:
+        """Whether it is answered without a bend."""
+        return self.quantity in DIRECT
 
     @property
     def state(self) -> tuple:

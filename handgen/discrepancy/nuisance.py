@@ -20,8 +20,10 @@ STEP = 0.5
 """Of the finite differences, in standard deviations."""
 GAUGE = 1.0
 """kPa, where a measurements file states no `sensor.pressure_sigma`."""
-ZERO = {"tip_drop": 1.0, "elongation": 0.25, "bend_angle": 1.0, "tip_force": 0.01}
-"""Standard deviation of where a reading's zero lies: mm, mm, deg, N."""
+ZERO = {"tip_drop": 1.0, "elongation": 0.25, "bend_angle": 1.0, "tip_force": 0.01, "chamber_pressure": 0.5,
+        "force_angle": 3.0}
+"""Standard deviation of where a reading's zero lies: mm, mm, deg, N, kPa, deg. A manometer of class 0.6 over
+100 kPa; a protractor on a photograph."""
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,16 @@ MOST_KINDS = 4
 
 
 def kernels(problem: Problem, rows: np.ndarray, columns: np.ndarray, length: float) -> list[np.ndarray]:
-    """Of each kind of test: covariance of the process with amplitude 1 between points of the library."""
+    """Of each kind of test: covariance of the process with amplitude 1 between points of the library.
+
+    What is read directly is no part of it: a process is a lack of the simulation.
+    """
     library = problem.library
-    kinds = np.array([test.kind for test in library.tests])[library.owner]
+    kinds = np.array(["" if test.direct else test.kind for test in library.tests])[library.owner]
     found = []
     for kind in dict.fromkeys(kinds[problem.scored]):
+        if not kind:
+            continue
         mine = kinds == kind
         reach = float(library.loads[mine].max()) or 1.0
         size = float(np.nanmax(np.abs(library.baseline[mine]))) or 1.0

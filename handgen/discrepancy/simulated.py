@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from handgen.bending.comparison import asked, observed
+from handgen.bending.comparison import asked, direct, observed
 from handgen.bending.model import BendModel
 from handgen.bending.model import Effect as Switch
 from handgen.bending.request import Request
@@ -71,13 +71,17 @@ class Simulation:
 
     def predict(self, rows: Sequence[Row], what: str) -> np.ndarray:
         """(rows, n), NaN where there is no balance."""
-        wanted = [request for row in rows for request in row.requests if request is not None]
+        wanted = [request for row in rows for test, request in zip(self.tests, row.requests, strict=True)
+                  if request is not None and not test.direct]
         curves = iter(self.bends.curves(wanted, what))
         lines = []
         for row in rows:
             line: list[float] = []
             for test, request in zip(self.tests, row.requests, strict=True):
-                line += read(test, next(curves) if request is not None else None)
+                if request is not None and test.direct:
+                    line += _numbers(direct(test, request))
+                else:
+                    line += read(test, next(curves) if request is not None else None)
             lines.append(line)
         return np.array(lines, float)
 
@@ -92,7 +96,11 @@ def read(test: Test, curve: Curve | None) -> list[float]:
     """What `test` reads off `curve` at each of its loads; NaN where there is nothing."""
     if curve is None:
         return [np.nan] * len(test.load.values)
-    return [np.nan if value is None else value for value in observed(test, curve)]
+    return _numbers(observed(test, curve))
+
+
+def _numbers(values: Sequence[float | None]) -> list[float]:
+    return [np.nan if value is None else value for value in values]
 
 
 def series(test: Test) -> Series:
@@ -219,7 +227,8 @@ def structural(simulation: Simulation, baseline: np.ndarray, members: int) -> np
 def mesh(tests: Sequence[Test], baseline: np.ndarray) -> np.ndarray:
     """Covariance of a coarse mesh: smooth over the load, and the same on the way back."""
     same, loads = same_state([series(test) for test in tests])
-    there = np.where(np.isfinite(baseline), np.abs(baseline), 0.0)
+    meshed = np.repeat([not test.direct for test in tests], [len(test.load.values) for test in tests])
+    there = np.where(np.isfinite(baseline) & meshed, np.abs(baseline), 0.0)
     size = MESH * (same * there).max(axis=1)
     apart = (loads[:, None] - loads[None, :]) / SMOOTH
     return np.outer(size, size) * (0.95 * same * np.exp(-apart**2 / 2) + 0.05 * np.eye(len(baseline)))

@@ -6,20 +6,27 @@ its law runs; which of both is more probable there is no more than what was beli
 
 from __future__ import annotations
 
+import numpy as np
+
 from handgen.discrepancy.score import Scores
 from handgen.effects import catalogue
+
+SEEN = 1e-6
+"""mm, deg, N: an effect that moves no reading by as much cannot be mistaken for another."""
 
 
 def untold(scores: Scores, effect: str) -> tuple[str, ...]:
     """Effects of the library that nothing read so far can tell from `effect`."""
-    library = scores.problem.library
-    done = {library.tests[i].path for i in set(library.owner[scores.problem.scored])}
-    return tuple(other for other in library.responses
-                 if (paths := telling(effect, other)) and not paths & done)
+    library, rows = scores.problem.library, scores.problem.scored
+    read = [library.tests[i] for i in set(library.owner[rows])]
+    done = {test.path for test in read} | {test.quantity for test in read}
+    return tuple(other for other, response in library.responses.items()
+                 if (means := telling(effect, other)) and not means & done
+                 and (np.abs(response.predictions[..., rows] - library.baseline[rows]) > SEEN).any())
 
 
 def telling(first: str, second: str) -> set[str]:
-    """Paths of a test that tell two effects apart; empty where any may."""
+    """Paths and observables of a test that tell two effects apart; empty where any may."""
     known = catalogue()
     return {path for one, two in ((first, second), (second, first)) if one in known
             for path in known[one].told_by.get(two, ())}

@@ -13,6 +13,8 @@ from handgen.discrepancy.untold import untold
 Word = Literal["none", "named", "pair", "ambiguous", "outside"]
 SURE = 0.9
 """Probability from which an explanation is named."""
+RATHER = 0.5
+"""Probability from which it is said that nothing is missing, or something unknown."""
 COVERED = 0.9
 """Probability that the set of an ambiguous verdict holds together."""
 MISFIT = 0.02
@@ -65,11 +67,11 @@ def verdict(scores: Scores) -> Verdict:
         return Verdict(word, effects, shown, probability, held, parted, vetoed, known)
 
     outside = sum(h.probability for h in scores.hypotheses if h.id.split("+")[-1] == OUTSIDE)
-    if best.id == OUTSIDE or vetoed:
+    if vetoed or (best.id == OUTSIDE and outside >= RATHER):
         return said("outside", (), outside)
-    if best.id == NONE:
-        if best.probability >= 0.5:
-            return said("none", (), best.probability)
+    if best.id == NONE and best.probability >= RATHER:
+        return said("none", (), best.probability)
+    if best.id in (NONE, OUTSIDE):
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
     if len(best.ids) == 2 and best.probability >= SURE and not _one_may_do(scores, best):
         return _parted(said("pair", best.ids, best.probability), scores)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import MappingProxyType
 
 from handgen.effects.effect import Effect
 from handgen.effects.parameter import Parameter, Prior
@@ -22,7 +23,11 @@ class ContactAngle(Effect):
         "angle", "deg", 0.0, 60.0, 0.0, Prior("normal", (30.0, 12.0)),
         "between the force and the balance's axis"),)
 
+    told_by = MappingProxyType({"base_compliance": ("force_angle",)})
+
     def on_reading(self, quantity, loads, values, p):
+        if quantity == "force_angle":
+            return [None if value is None else value + p["angle"] for value in values]
         if quantity != "tip_force":
             return values
         share = math.cos(math.radians(p["angle"]))

@@ -37,7 +37,8 @@ class Effect:
     """The direct measurement that settles it."""
     parameters: tuple[Parameter, ...]
     told_by: Mapping[str, tuple[str, ...]] = MappingProxyType({})
-    """Effects that show the same until a test goes a certain way (its `path`): effect -> paths that tell."""
+    """Effects that show the same until a test goes a certain way (its `path`) or reads a certain thing:
+    effect -> paths and observables that tell."""
 
     def on_hand(self, hand: Hand, p: Values) -> Hand:
         """The hand as it really is."""
@@ -61,7 +62,8 @@ class Effect:
 
     def on_reading(self, quantity: str, loads: Sequence[float], values: Sequence[float | None],
                    p: Values) -> Sequence[float | None]:
-        """What is read (tip_drop mm, elongation mm, bend_angle deg, tip_force N) where `values` is true.
+        """What is read (tip_drop mm, elongation mm, bend_angle deg, tip_force N, chamber_pressure kPa,
+        force_angle deg) where `values` is true.
 
         None where a load was not reached.
         """

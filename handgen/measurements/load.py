@@ -15,9 +15,9 @@ from handgen.parameters.load import Loaded, load
 from handgen.parameters.single import load_single
 
 OBSERVABLE = {
-    "assembly": ("tip_drop", "bend_angle", "elongation", "tip_force"),
+    "assembly": ("tip_drop", "bend_angle", "elongation", "tip_force", "force_angle"),
     "exoskeleton": ("tip_drop", "bend_angle", "tip_force"),
-    "actuator": ("elongation", "bend_angle"),
+    "actuator": ("elongation", "bend_angle", "chamber_pressure"),
 }
 """What can be read off each part."""
 LOADS = {"assembly": ("pressure",), "exoskeleton": ("tip_load",), "actuator": ("pressure",)}
@@ -89,7 +89,7 @@ def _quantities(test: Test) -> Iterator[tuple]:
                    "one of " + ", ".join(valid))
         if part.unit != UNITS[part.quantity]:
             yield (key, "unit"), f"is no unit of {part.quantity}", part.unit, UNITS[part.quantity]
-    force = test.observable.quantity == "tip_force"
+    force = test.observable.quantity in ("tip_force", "force_angle")
     if force and test.obstacle is None:
         yield ("obstacle",), "a fingertip force needs the plane it acts on", None, "a distance in mm"
     if test.obstacle is not None and test.part == "actuator":

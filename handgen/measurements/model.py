@@ -12,8 +12,10 @@ SCHEMA = "handgen.measurements/1"
 Reading = Annotated[float, Field(ge=-1e3, le=1e3)]
 Row = list[Reading | None]
 UNITS = {"pressure": "kPa", "tip_load": "N", "tip_drop": "mm", "elongation": "mm", "bend_angle": "deg",
-         "tip_force": "N"}
+         "tip_force": "N", "chamber_pressure": "kPa", "force_angle": "deg"}
 """Quantities of loads and observables, and the one unit that each is written in."""
+DIRECT = ("chamber_pressure", "force_angle")
+"""Observables that say themselves what an effect does: no bend has to be simulated for them."""
 
 
 class Load(Model):
@@ -28,10 +30,12 @@ class Load(Model):
 class Observable(Model):
     """What was read."""
 
-    quantity: Literal["tip_drop", "elongation", "bend_angle", "tip_force"] = item(
+    quantity: Literal["tip_drop", "elongation", "bend_angle", "tip_force", "chamber_pressure",
+                      "force_angle"] = item(
         "the tip's lowest point below the plane of the palm's bottom surface; axial travel of the actuator's "
-        "tip; rotation of the fingertip; force on a plane below the finger")
-    unit: Literal["mm", "deg", "N"] = item("mm of lengths, deg of angles, N of forces")
+        "tip; rotation of the fingertip; force on a plane below the finger; a manometer at the actuator's "
+        "inlet; angle of the fingertip's force to the balance's axis")
+    unit: Literal["mm", "deg", "N", "kPa"] = item("mm of lengths, deg of angles, N of forces, kPa")
 
 
 class Sensor(Model):
@@ -76,6 +80,11 @@ class Test(Model):
     title: str = item("of tables and figures", default="", max_length=80)
     note: str = item("what a user of the numbers should know", default="", max_length=800)
     simulated: list[Simulated] = item("others' simulations of this test", default_factory=list)
+
+    @property
+    def direct(self) -> bool:
+        """Whether it is answered without a bend."""
+        return self.observable.quantity in DIRECT
 
     @property
     def fitted(self) -> tuple[bool, ...]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from itertools import combinations
@@ -25,9 +25,9 @@ from tests.benchmarks.diagnosis_draws import Draw, checked, deviation, hidden
 from tests.worlds.effects import EFFECTS
 from tests.worlds.outside import OUTSIDE
 
-FRESH = 60_000
+FRESH = 70_000
 """First seed of what is published; seeds below are for finding out what goes wrong."""
-COUNT = {"none": 200, "single": 40, "large": 100, "outside": 40, "pair": 120, "large pair": 1500,
+COUNT = {"none": 600, "single": 80, "large": 100, "outside": 80, "pair": 240, "large pair": 1500,
          "outlier": 4, "one repeat": 1, "missing": 2, "five points": 1,
          "tolerance x2": 6, "noise x4": 6, "wrong priors": 6}
 """Draws a kind; of singles and of what is done to singles: an effect; of outside: a cause. Of the large ones
@@ -105,6 +105,8 @@ def judge(draw: Draw, library) -> dict:
            "sigmas": sigmas(moved, draw), "beyond": beyond(moved, problem), **said(scores)}
     row["flagged"] = sum(len(test.summary.outlying) for test in observed.tests)
     if draw.kind in ("single", "large"):
+        if row["beyond"] < LARGE:
+            return row
         row["without"] = said(scores.without(*draw.hidden))
         row["gap"] = gaps(found, judged, draw, scores)
     row["asked"] = {how: ask(draw, judged, how, scores) for how in ASKED.get(draw.kind, ())}
@@ -145,7 +147,8 @@ def said(scores) -> dict:
     shares = {h.id: round(h.probability, 6) for h in scores.hypotheses[:25]}
     return {"word": found.word, "effects": found.effects, "probability": found.probability,
             "best": found.best.id, "alike": found.alike, "candidates": found.candidates,
-            "classes": found.classes,
+            "classes": found.classes, "untold": found.untold,
+            "class_shares": [sum(scores[one].probability for one in ids) for ids in found.classes],
             "vetoed": bool(found.vetoed),
             "p": found.best.p_value, "shares": shares,
             "present": {name: round(scores.present(name), 5) for name in scores.problem.library.responses}}
@@ -197,33 +200,47 @@ def _rms(values) -> float:
 def ask(draw: Draw, library, how: str, scores) -> dict:
     """What is said in the end, and after which tests; `scores`: of the tests that were given.
 
-    Up to MOST_ASKED more tests, chosen by the diagnosis or at random, while the verdict is ambiguous.
+    More tests are chosen by the diagnosis or at random.
+    """
+    from handgen.discrepancy.problem import Problem
+    from handgen.discrepancy.score import score_problem
+
+    found = hidden(draw, library, draw.ids)
+
+    def measured(name: str):
+        found.measure([test for test in library.tests if test.id == name])
+        return score_problem(Problem.of(library, found.observed()))
+
+    return more_tests(scores, askable(library, draw.ids), measured,
+                      draw.rng("asks at random") if how == "random" else None)
+
+
+def askable(library, given: Iterable[str]) -> list[str]:
+    """Tests that the diagnosis may ask for; those on a plane where there is one."""
+    return [test.id for test in library.tests if test.id.startswith("ask-") and test.id not in NOT_ASKED
+            and (test.obstacle is None or FORCE in given)]
+
+
+def more_tests(scores, open_: Sequence[str], measured: Callable, rng: np.random.Generator | None) -> dict:
+    """What is said after up to MOST_ASKED of the tests `open_`, asked for while the verdict is ambiguous.
+
+    `measured`: does a test and gives the new scores; `rng`: chooses instead of the diagnosis.
     """
     from handgen.discrepancy.ask import next_test
     from handgen.discrepancy.candidates import SIGMAS
-    from handgen.discrepancy.problem import Problem
-    from handgen.discrepancy.score import score_problem
     from handgen.discrepancy.verdict import verdict
 
-    found = hidden(draw, library, draw.ids)
-    rng = draw.rng("asks at random")
     done: list[str] = []
-    while True:
-        open_ = [test.id for test in library.tests
-                 if test.id.startswith("ask-") and test.id not in (*done, *NOT_ASKED)]
-        said_now = verdict(scores)
-        if said_now.word != "ambiguous" or len(done) == MOST_ASKED or not open_:
-            break
-        if how == "best":
-            proposal = next_test(scores, open_, SIGMAS, said_now.untold)
-            if proposal is None:
-                break
+    while len(done) < MOST_ASKED and (now := verdict(scores)).word == "ambiguous":
+        left = [name for name in open_ if name not in done]
+        if rng is not None:
+            chosen = left[rng.integers(len(left))]
+        elif (proposal := next_test(scores, left, SIGMAS, now.untold)) is not None:
             chosen = proposal.test
         else:
-            chosen = open_[rng.integers(len(open_))]
+            break
         done.append(chosen)
-        found.measure([test for test in library.tests if test.id == chosen])
-        scores = score_problem(Problem.of(library, found.observed()))
+        scores = measured(chosen)
     return {"tests": done, **said(scores)}
 
 

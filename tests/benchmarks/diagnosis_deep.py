@@ -1,24 +1,42 @@
 """Deeper worlds for the diagnosis: `python -m tests.benchmarks.diagnosis_deep FOLDER [--draws 3]`.
 
 Data from the full simulation by other laws than the judged model's (silicone neo-Hookean, TPU neo-Hookean,
-friction at random), of a finger within tolerance of its drawing, with an effect of random size. These worlds
-share the effects' code with the judged model and are reported apart from those of `diagnosis`, which share
-nothing. Bends are cached and rows kept: a stopped run goes on.
+friction at random), of a finger within tolerance of its drawing. The size of an effect is random among those
+of its range that the judged model calls large; where it calls none so, among the largest. These worlds share
+the effects' code with the judged model and are reported apart from those of `diagnosis`, which share nothing.
+Bends are cached and rows kept: a stopped run goes on.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
+from handgen.bending.model import BendModel
+from handgen.discrepancy import tolerance
+from handgen.discrepancy.library import Library
+from handgen.discrepancy.observed import Observed, Readings
+from handgen.discrepancy.problem import Problem
+from handgen.discrepancy.score import score_problem
+from handgen.discrepancy.simulated import Simulation
 from tests.benchmarks import diagnosis_library
-from tests.benchmarks.diagnosis import FORCE, FRESH, GIVEN, NEEDS_FORCE, beyond, said
-from tests.benchmarks.diagnosis_draws import OF
+from tests.benchmarks.diagnosis import (
+    FORCE,
+    GIVEN,
+    LARGE,
+    NEEDS_FORCE,
+    askable,
+    beyond,
+    more_tests,
+    said,
+)
+from tests.benchmarks.diagnosis_draws import OF, sheet
+from tests.benchmarks.diagnosis_library import POWER
 from tests.benchmarks.diagnosis_table import names, part, right, same_class
 from tests.worlds.noise import REPEATS, RESOLUTION, SCATTER, TOGETHER
 
@@ -27,14 +45,17 @@ OTHER_LAWS: Mapping[str, dict] = {
     "Ninjaflex": {"law": "neo_hookean", "unit": "MPa", "constants": {"c10": 0.72}, "strain": [0, 1]},
 }
 """As stiff as the judged laws where a bend works, of another form: one constant each."""
+FIRST = 60_000
+"""First seed; no choice was made on these."""
 KEEPS_LAW = ("wrong_convention",)
 """Effects on the judged law's own form."""
+LARGEST = 0.8
+"""Share of the most sigma of an effect's range, above which sizes are drawn where none is large."""
 
 
-def model(judged, effect: str, rng: np.random.Generator):
-    """The judged model with other laws, other friction, and the effect at a random size of its prior."""
+def model(judged: BendModel, effect: str, sizes: Mapping[str, float], rng: np.random.Generator) -> BendModel:
+    """The judged model with other laws, other friction, and the effect."""
     from handgen.bending.model import Choice, Effect
-    from handgen.effects import catalogue
     from handgen.materials.sets import ParameterSet
 
     materials = dict(judged.materials)
@@ -44,46 +65,101 @@ def model(judged, effect: str, rng: np.random.Generator):
             new = ParameterSet.model_validate({**given, "material": material, "source": old.source,
                                                "density": old.density})
             materials[material] = Choice(name="another law", parameters=new)
-    sizes = {one.name: float(one.quantile(rng.uniform(0.15, 0.95))) for one in catalogue()[effect].parameters}
     return judged.model_copy(update={
         "materials": materials, "friction": float(rng.uniform(0.4, 1.2)),
-        "effects": [Effect(id=effect, parameters=sizes)]}), sizes
+        "effects": [Effect(id=effect, parameters=dict(sizes))]})
 
 
-def draw(simulation, library, effect: str, seed: int) -> dict:
-    """One deep world, measured and judged."""
-    from handgen.discrepancy import tolerance
-    from handgen.discrepancy.observed import Observed, Readings
-    from handgen.discrepancy.problem import Problem
-    from handgen.discrepancy.score import score_problem
+def random_size(library: Library, effect: str, rng: np.random.Generator) -> dict[str, float]:
+    """One of the sizes that the judged model calls large, else of the LARGEST; from the library of the given
+    tests."""
+    response = library.responses[effect]
+    shifts = response.dense.predictions - library.baseline
+    cut = min(LARGE, LARGEST * (found := foreseen(library, shifts)).max())
+    values = response.dense.values[found >= cut]
+    return dict(zip(response.parameters, map(float, values[rng.integers(len(values))]), strict=True))
 
+
+def foreseen(library: Library, shifts: np.ndarray) -> np.ndarray:
+    """(m,) deviations of all that the model leaves open by which each row of `shifts` moves the readings."""
+    covariance = library.jacobian @ library.prior @ library.jacobian.T + library.structural
+    for test in library.tests:
+        at, sigma = library.points(test.id), SCATTER[OF[test.id]]
+        own = TOGETHER + (1 - TOGETHER) * np.eye(len(at))
+        covariance[np.ix_(at, at)] += sigma**2 / REPEATS * own
+    shifts = np.where(np.isfinite(shifts), shifts, 0.0)
+    return np.sqrt(np.einsum("ij,ji->i", shifts, np.linalg.solve(covariance, shifts.T)))
+
+
+@dataclass
+class Deep:
+    """A finger of a deep world in a lab."""
+
+    whole: Simulation
+    """The judged model's, over all tests."""
+    library: Library
+    model: BendModel
+    """What is true."""
+    by: Mapping[str, float]
+    """How it deviates from its drawing."""
+    name: str
+    written: list[Readings] = field(default_factory=list)
+
+    def measure(self, names: Sequence[str], rng: np.random.Generator) -> None:
+        """Do these tests and write down what is read."""
+        truth, tests = self.truth(self.model, names), self.library.only(names).tests
+        ends = np.cumsum([len(test.loads) for test in tests])[:-1]
+        for test, values in zip(tests, np.split(truth, ends), strict=True):
+            sigma, step = SCATTER[test.part, test.quantity], RESOLUTION[test.quantity]
+            scatter = (np.sqrt(TOGETHER) * rng.standard_normal((REPEATS, 1))
+                       + np.sqrt(1 - TOGETHER) * rng.standard_normal((REPEATS, len(values))))
+            self.written.append(Readings(test.id, np.round((values + sigma * scatter) / step) * step, step))
+
+    def truth(self, model: BendModel, names: Sequence[str]) -> np.ndarray:
+        """Of the tests `names`, in the order of the library, by `model`."""
+        order = [test.id for test in self.library.tests]
+        tests = sorted((test for test in self.whole.tests if test.id in names),
+                       key=lambda test: order.index(test.id))
+        simulation = replace(self.whole, tests=tests)
+        row = simulation.row(model, lambda case: tolerance.deviating(case, self.by))
+        return simulation.predict([row], self.name)[0]
+
+    @property
+    def problem(self) -> Problem:
+        return Problem.of(self.library, Observed(tuple(self.written)))
+
+
+def draw(whole: Simulation, library: Library, effect: str, seed: int) -> dict:
+    """One deep world, measured and judged; then with the tests that the diagnosis asks for."""
     rng = np.random.default_rng([seed, *effect.encode()])
-    wanted, sizes = model(simulation.model, effect, rng)
-    (by,) = tolerance.members(1, int(rng.integers(1 << 30)))
     given = (*GIVEN, FORCE) if effect in NEEDS_FORCE else GIVEN
-    rows = [simulation.row(one, lambda case: tolerance.deviating(case, by))
-            for one in (wanted, wanted.model_copy(update={"effects": []}))]
-    truth, plain = simulation.predict(rows, f"{effect} {seed}")
-    moved, tests = {}, []
-    for name in given:
-        at = library.points(name)
-        moved[name] = truth[at] - plain[at]
-        sigma, step = SCATTER[OF[name]], RESOLUTION[OF[name][1]]
-        scatter = (np.sqrt(TOGETHER) * rng.standard_normal((REPEATS, 1))
-                   + np.sqrt(1 - TOGETHER) * rng.standard_normal((REPEATS, len(at))))
-        tests.append(Readings(name, np.round((truth[at] + sigma * scatter) / step) * step, step))
-    problem = Problem.of(library, Observed(tuple(tests)))
-    return {"kind": "deep", "hidden": [effect], "seed": seed, "sizes": sizes,
-            "beyond": beyond(moved, problem), **said(score_problem(problem))}
+    sizes = random_size(library.only(given), effect, rng)
+    wanted = model(whole.model, effect, sizes, rng)
+    (by,) = tolerance.members(1, int(rng.integers(1 << 30)))
+    deep = Deep(whole, library, wanted, by, f"{effect} {seed}")
+    deep.measure(given, rng)
+    deep.library = sheet(library, rng, POWER / 2 if effect == "wrong_convention" else 1.0)
+    shift = deep.truth(wanted, given) - deep.truth(wanted.model_copy(update={"effects": []}), given)
+    ends = np.cumsum([len(library.points(name)) for name in given])[:-1]
+    moved = dict(zip(given, np.split(shift, ends), strict=True))
+    scores = score_problem(deep.problem)
+    found = {"kind": "deep", "hidden": [effect], "seed": seed, "sizes": sizes,
+             "beyond": beyond(moved, deep.problem), **said(scores)}
+
+    def more(name: str):
+        deep.measure((name,), np.random.default_rng([seed, *f"{effect} {name}".encode()]))
+        return score_problem(deep.problem)
+
+    return {**found, "asked": {"best": more_tests(scores, askable(library, given), more, None)}}
 
 
 def main() -> None:
-    from handgen.discrepancy.library import Library
     from handgen.effects import catalogue
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--draws", type=int, default=3)
+    parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--effects", nargs="*")
     parser.add_argument("--library", type=Path, default=diagnosis_library.SHIPPED)
     asked = parser.parse_args()
@@ -91,24 +167,38 @@ def main() -> None:
     file = asked.folder / "deep.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
     done = {(row["hidden"][0], row["seed"]) for row in rows}
-    library = Library.load(asked.library)
-    whole = diagnosis_library.simulation(2)
-    for effect in asked.effects or catalogue():
-        given = (*GIVEN, FORCE) if effect in NEEDS_FORCE else GIVEN
-        simulation = replace(whole, tests=[test for test in whole.tests if test.id in given])
-        for seed in range(FRESH, FRESH + asked.draws):
-            if (effect, seed) not in done:
-                rows.append(draw(simulation, library.only(given), effect, seed))
-                with open(file, "a", encoding="utf-8") as out:
-                    out.write(json.dumps(rows[-1]) + "\n")
-    seen = [row for row in rows if row["beyond"] >= 6]
+    library = diagnosis_library.judged(asked.library)
+    whole = diagnosis_library.simulation(asked.workers)
+    for seed in range(FIRST, FIRST + asked.draws):
+        for effect in asked.effects or catalogue():
+            if (effect, seed) in done:
+                continue
+            rows.append(draw(whole, library, effect, seed))
+            with open(file, "a", encoding="utf-8") as out:
+                out.write(json.dumps(rows[-1]) + "\n")
+    print(table(rows))
+
+
+def table(rows: Sequence[dict]) -> str:
+    """A line a draw, and what they come to."""
+    lines = ["effect               sigma  said of the three tests          after those asked for"]
     for row in rows:
-        print(f"{row['hidden'][0]:20s} {row['beyond']:5.1f} sigma  {row['word']} {' '.join(row['effects'])}"
-              f"   first {row['best']}")
-    print("right when it names   ", part(filter(names, rows), right))
-    told = [row for row in rows if names(row)]
-    print("... or the same class ", part(told, lambda r: right(r) or same_class(r, r["hidden"])))
-    print("names at >= 6 sigma   ", part(seen, names))
+        asked = row["asked"]["best"]
+        lines.append(f"{row['hidden'][0]:20s} {row['beyond']:5.1f}  {verdict_of(row):32s} "
+                     f"{verdict_of({**row, **asked}) if asked['tests'] else ''}".rstrip())
+    for words, of in (("three tests", rows), ("asked-for", [{**r, **r["asked"]["best"]} for r in rows])):
+        told = [row for row in of if names(row)]
+        lines += [f"{words}: right when it names {part(told, right)}, or of the same class "
+                  f"{part(told, lambda r: right(r) or same_class(r, r['hidden']))}",
+                  f"  names at >= 6 sigma {part([row for row in of if row['beyond'] >= LARGE], names)}"]
+    return "\n".join(lines)
+
+
+def verdict_of(row: dict) -> str:
+    """What is said, and whether it is right."""
+    if names(row):
+        return f"{' + '.join(row['effects'])}: {'right' if right(row) else 'WRONG'}"
+    return f"{row['word']} of {len(row['classes'])}" if row["word"] == "ambiguous" else row["word"]
 
 
 if __name__ == "__main__":

@@ -103,9 +103,13 @@ def checked(library: Library, found: Hidden) -> Library:
 
     The sheet is of the silicone as it is meant to be: what softens a pour does not show there.
     """
-    own = SHEET * float(np.clip(found.draw.rng("sheet").standard_normal(), -2.5, 2.5))
     sizes = dict(zip(found.draw.hidden, found.sizes, strict=True))
-    own -= np.log(sizes.get("wrong_convention", 1.0))
+    return sheet(library, found.draw.rng("sheet"), sizes.get("wrong_convention", 1.0))
+
+
+def sheet(library: Library, rng: np.random.Generator, meant: float) -> Library:
+    """The same by chance; `meant`: the silicone's stress over that of the set as the model reads it."""
+    own = SHEET * float(np.clip(rng.standard_normal(), -2.5, 2.5)) - np.log(meant)
     odds = convention.likelihood_ratio(own, own + np.log(POWER / 2))
     return replace(library, prior_odds={**library.prior_odds, "wrong_convention": odds})
 

@@ -37,7 +37,7 @@ CARRIED = 0.0
 
 
 LEVELS = (
-    lambda test: test.path == "loading" and test.obstacle is None,
+    lambda test: test.direct or (test.path == "loading" and test.obstacle is None),
     lambda test: test.part == "actuator",
     lambda test: test.path == "unloading",
     lambda test: test.path == "hold",
@@ -49,7 +49,8 @@ def simulation(workers: int, say=print, level: int = len(LEVELS)) -> Simulation:
     """The judged model over the tests of the study up to a level."""
     measured = load_measurements(MEASUREMENTS)
     tests = [_open(measured.test(name)) for name in GIVEN]
-    more = [test for test in (*candidates(tests), _open(measured.test(FORCE)))
+    force = _open(measured.test(FORCE))
+    more = [test for test in (*candidates([*tests, force]), force)
             if any(wanted(test) for wanted in LEVELS[:level])]
     model = load_model("calibrated")[0]
     weight = model.own_weight.model_copy(update={"assembly": CARRIED})

@@ -12,6 +12,8 @@ Rows = Sequence[dict]
 NAMING = ("named", "pair")
 PRIOR = {"none": 0.4, "single": 0.3, "pair": 0.1, "outside": 0.2}
 """How often each kind is believed to come: the calibration is weighed by it."""
+RESAMPLED = 400
+"""Times that the outcomes are drawn from what was said, to see by how much chance alone parts the two."""
 MEASURE = "beyond"
 """Key of a row that says how large an effect is: "beyond", deviations of the baseline's whole uncertainty,
 or "sigmas", deviations of the repeats' means alone."""
@@ -63,6 +65,11 @@ def same_class(row: dict, hidden: Sequence[str]) -> bool:
                for name in row["effects"])
 
 
+def tells(row: dict) -> bool:
+    """It names an effect, or effects of one class that it would name but for each other."""
+    return names(row) or bool(row["untold"])
+
+
 def first_effect(row: dict) -> str:
     """The effect that is most probably there."""
     return max(row["present"], key=row["present"].get)
@@ -93,7 +100,10 @@ def _naming(kinds) -> list[str]:
              f"  right when it names      {part(named, right)}   [>= 95, lower >= 93]",
              f"  ... or of the same class {part(named, lambda r: right(r) or same_class(r, r['hidden']))}",
              f"  ... of all sizes         {part(every, right)}",
-             f"  names                    {part(rows, names)}   [>= 65]"]
+             f"  names                    {part(rows, names)}   [>= 65]",
+             f"  ... or a class of which only a test of another kind names one  {part(rows, tells)}; the "
+             "hidden one is among them "
+             f"{part(filter(tells, rows), lambda r: right(r) or r['hidden'][0] in r['untold'])}"]
     for least in (10.0, 20.0):
         lines.append(f"  first candidate right at >= {least:g} sigma  "
                      f"{part(seen(kinds, least), lambda r: first_effect(r) == r['hidden'][0])}"
@@ -149,21 +159,15 @@ def _calibration(kinds) -> list[str]:
     leaders = [next(iter(r["shares"].items())) for r, _ in rows]
     sure = np.array([share_ for _, share_ in leaders])
     correct = np.array([holds(r, name) for (r, _), (name, _) in zip(rows, leaders, strict=True)], float)
-    bins = np.minimum((sure * 10).astype(int), 9)
-    error = 0.0
-    lines = ["3 calibration (kinds weighed as they are believed to come)"]
-    for b in range(10):
-        mine = bins == b
-        if mine.any():
-            w = weights[mine]
-            said_, was = (sure[mine] @ w) / w.sum(), (correct[mine] @ w) / w.sum()
-            error += w.sum() * abs(said_ - was)
-            lines.append(f"  said {said_:.2f}  was {was:.2f}  ({mine.sum()} draws)")
+    together = np.array([r["class_shares"][0] for r, _ in rows])
+    any_ = np.array([any(holds(r, one) for one in r["classes"][0]) for r, _ in rows], float)
+    lines = ["3 calibration (kinds weighed as they are believed to come)",
+             "  of the first class that is reported", *_reliability(together, any_, weights),
+             "  of the first explanation alone", *_reliability(sure, correct, weights)]
     high = sure >= 0.9
     inside = np.array([any(holds(r, c) for c in r["candidates"]) for r, _ in rows], float)
     size = np.array([len(r["candidates"]) for r, _ in rows], float)
     told = np.array([len(r["classes"]) for r, _ in rows], float)
-    lines.append(f"  calibration error {error:.3f}   [<= 0.05]")
     if high.any():
         lines.append(f"  right at >= 0.9: {100 * (correct[high] @ weights[high]) / weights[high].sum():.1f} "
                      f"% weighed; "
@@ -172,6 +176,32 @@ def _calibration(kinds) -> list[str]:
                  f"{share(int(inside.sum()), len(inside))}, mean size {told @ weights:.2f} classes "
                  f"that predict the same, as reported; {size @ weights:.2f} explanations   [>= 90, <= 2.5]")
     return lines
+
+
+def _reliability(sure: np.ndarray, correct: np.ndarray, weights: np.ndarray) -> list[str]:
+    """A line for every tenth, and the mean distance of what was said from what was."""
+    lines = []
+    for mine in _tenths(sure):
+        w = weights[mine]
+        said_, was = (sure[mine] @ w) / w.sum(), (correct[mine] @ w) / w.sum()
+        lines.append(f"  said {said_:.2f}  was {was:.2f}  ({mine.sum()} draws)")
+    error = calibration_error(sure, correct, weights)
+    rng = np.random.default_rng(0)
+    chance = [calibration_error(sure, (rng.random(len(sure)) < sure).astype(float), weights)
+              for _ in range(RESAMPLED)]
+    return [*lines, f"  calibration error {error:.3f}   [<= 0.05]; were all true, as few draws would show "
+            f"{np.mean(chance):.3f} ({np.quantile(chance, 0.025):.3f}-{np.quantile(chance, 0.975):.3f})"]
+
+
+def calibration_error(sure: np.ndarray, correct: np.ndarray, weights: np.ndarray) -> float:
+    """Mean distance of what was said from what was, over the tenths."""
+    return float(sum(abs((sure[mine] - correct[mine]) @ weights[mine]) for mine in _tenths(sure)))
+
+
+def _tenths(sure: np.ndarray) -> list[np.ndarray]:
+    """Which draws were said to be so sure, of every tenth that has any."""
+    found = np.minimum((sure * 10).astype(int), 9)
+    return [found == tenth for tenth in range(10) if (found == tenth).any()]
 
 
 def _asking(kinds) -> list[str]:

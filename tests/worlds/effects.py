@@ -138,9 +138,10 @@ def contact_angle(world: World, rng: np.random.Generator) -> Drawn:
     size = rng.uniform(15.0, 55.0)
 
     def slanted(value: float, moment: Moment, state: State) -> float:
-        if moment.test.quantity != "tip_force":
-            return value
-        return value * math.cos(math.radians(size + 4 * moment.pressure / 80))
+        angle = size + 4 * moment.pressure / 80
+        if moment.test.quantity == "force_angle":
+            return value + angle
+        return value * math.cos(math.radians(angle)) if moment.test.quantity == "tip_force" else value
 
     return world.then(read=slanted), size
 

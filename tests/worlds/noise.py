@@ -11,10 +11,12 @@ from tests.worlds.world import Test, World, run
 SCATTER = {
     ("exoskeleton", "tip_drop"): 1.42, ("actuator", "elongation"): 0.41, ("assembly", "tip_drop"): 0.54,
     ("assembly", "elongation"): 0.5, ("assembly", "bend_angle"): 1.5, ("exoskeleton", "bend_angle"): 1.5,
-    ("actuator", "bend_angle"): 1.5, ("assembly", "tip_force"): 0.02}
+    ("actuator", "bend_angle"): 1.5, ("assembly", "tip_force"): 0.02,
+    ("actuator", "chamber_pressure"): 0.5, ("assembly", "force_angle"): 3.0}
 """Standard deviation of one reading; of the first three the source's, pooled over its repeats (Tables 5.4,
-5.6, 5.8). mm, deg, N."""
-RESOLUTION = {"tip_drop": 0.5, "elongation": 0.5, "bend_angle": 1.0, "tip_force": 0.01}
+5.6, 5.8). mm, deg, N, kPa."""
+RESOLUTION = {"tip_drop": 0.5, "elongation": 0.5, "bend_angle": 1.0, "tip_force": 0.01,
+              "chamber_pressure": 0.1, "force_angle": 1.0}
 TOGETHER = 0.4
 """Of the variance, what a whole repeat has in common: the hand was laid down anew."""
 REPEATS = 3

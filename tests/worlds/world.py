@@ -60,6 +60,10 @@ class Moment:
         return self.index / max(len(self.test.loads) - 1, 1)
 
 
+INSTRUMENTS = {"chamber_pressure": lambda pressure: {"chamber_pressure": pressure},
+               "force_angle": lambda pressure: {"force_angle": 0.0}}
+"""What is read beside the finger: a manometer at the inlet, kPa; the force's direction, deg off the plane's
+normal. kPa in the chamber -> values of a state."""
 Chamber = Callable[[float, Moment], float]
 """kPa on the gauge -> kPa in the chamber."""
 Change = Callable[[Finger, Moment], Finger]
@@ -111,7 +115,10 @@ def run(world: World, test: Test, repeat: int = 0, order: int = 0) -> np.ndarray
         finger = world.finger
         for one in world.change:
             finger = one(finger, moment)
-        state = _state(world, finger, moment, 1e-3 * pressure, load, start)
+        if test.quantity in INSTRUMENTS:
+            state = State(np.zeros(0), 0.0, INSTRUMENTS[test.quantity](pressure))
+        else:
+            state = _state(world, finger, moment, 1e-3 * pressure, load, start)
         start = state.angles if len(state.angles) else None
         value = state.values[test.quantity]
         for one in world.read:
