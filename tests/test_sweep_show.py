@@ -101,6 +101,27 @@ def test_show_says_what_matters_and_draws_it(tmp_path, capsys):
     assert not re.search(r"(src|href)=|https?://", text) and text.count("</script>") == 2
 
 
+def test_the_page_holds_texts_pages_and_reasons(tmp_path):
+    prepared = prepare(sweep_file(tmp_path, solver="solid", vary={"thread.material": ["PET", "nylon"]}))
+    made = ({"variant": n, "hash": f"{n:064x}", "thread.material": ["PET", "nylon"][n % 2],
+             **({"status": "invalid", "reason": f"why {n}"} if n % 3 == 0 else
+                {"status": "done", "bend_angle_deg": 50.0 + n})} for n in range(450))
+    table.write(tmp_path / "results.parquet", prepared, table.columns(prepared, ()), made)
+    show(tmp_path)
+    with chromium() as browser:
+        view, errors = browser.new_page(), []
+        view.on("pageerror", lambda error: errors.append(str(error)))
+        view.goto((tmp_path / "sweep.html").as_uri())
+        first = view.locator("#rows tr").nth(1).locator("td").all_inner_texts()
+        assert first[:3] == ["449", "nylon", "499"] and first[-1] == "done"
+        view.click("#on")
+        assert view.inner_text("#page") == "201 to 400 of 450"
+        view.select_option("#status", label="invalid")
+        assert (view.inner_text("#chosen"), view.inner_text("#page")) == ("150 chosen", "1 to 150 of 150")
+        assert view.locator("#rows tr").nth(1).locator("td").last.inner_text() == "invalid: why 0"
+        assert not errors
+
+
 def test_show_without_a_table(tmp_path, capsys):
     assert cli.main(["sweep", "show", str(tmp_path), "--json"]) == 2
     assert "no table of a sweep" in json.loads(capsys.readouterr().out)["errors"][0]["message"]

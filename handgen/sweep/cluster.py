@@ -24,6 +24,8 @@ DEATHS = 8
 """Of workers on one variant before Dask gives it up; the attempts' log does so before."""
 PATIENCE = 10.0
 """Seconds that a scheduler may take to answer."""
+DEAF = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
+"""What a local worker does first: Ctrl-C is its parent's, which ends it."""
 DIED = {"status": "killed", "reason": "its worker died again and again", "wall_s": None}
 Job = tuple[str, Task]
 
@@ -40,9 +42,14 @@ class Cluster:
         self.client = client
 
     @property
+    def workers(self) -> int:
+        """How many there are now."""
+        return len(self.client.ncores())
+
+    @property
     def threads(self) -> int:
-        """How many variants can be worked on at once: one a process."""
-        return max(1, len(self.client.ncores()))
+        """How many variants can be worked on at once, when there is anybody: one a process."""
+        return max(1, self.workers)
 
     def rows(self, jobs: Iterable[Job], left: Callable[[], int], folder: str, run: str, limit: float
              ) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -124,8 +131,9 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Cluster]:
     with dask.config.set(settings), contextlib.ExitStack() as stack:
         if scheduler is None:
             address = stack.enter_context(LocalCluster(
-                n_workers=workers or cores(), threads_per_worker=1, processes=True, dashboard_address=None,
-                silence_logs=logging.CRITICAL))
+                n_workers=workers or cores(), threads_per_worker=1, processes=True, preload=[DEAF],
+                silence_logs=logging.CRITICAL, dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False}))
         else:
             address = scheduler
         try:

@@ -107,7 +107,10 @@ def _judge(row: dict[str, Any], task: Task, hand: Hand, limits: Limits) -> None:
     else:
         report = definition.judge(hand, limits)
     broken = sorted({f["rule"] for f in report["findings"] if f["severity"] == "error"})
+    unmet = sorted({rule["rule"] for rule in report["rules"] if rule["status"] == "fail"})
     row["rules_passed"], row["rules_broken"] = float(report["passed"]), ", ".join(broken)
+    row["rules_unmet"] = float(len(unmet))
+    row["rules_warned"] = ", ".join(rule for rule in unmet if rule not in broken)
 
 
 def _weigh(row: dict[str, Any], hand: Hand, bend: Bending, limits: Limits) -> None:

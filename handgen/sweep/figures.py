@@ -108,9 +108,9 @@ def _parallel(frame, axes: list[str], explained: list[str], folder: Path) -> Pat
             panel.text(x, -0.05, f"{a:.3g}", ha="center", va="top", fontsize=7)
             panel.text(x, 1.03, f"{b:.3g}", ha="center", fontsize=7)
     panel.set_xticks(range(len(names)), [short(n) if n in axes else n for n in names], fontsize=8)
-    panel.tick_params(axis="x", pad=14)
+    panel.tick_params(axis="x", pad=14, length=0)
     panel.set_yticks([])
-    panel.grid(axis="x")
+    panel.vlines(range(len(names)), 0, 1, color="#888888", lw=0.8)
     for side in ("top", "right", "left", "bottom"):
         panel.spines[side].set_visible(False)
     return _saved(figure, folder / "parallel.png")
@@ -123,13 +123,15 @@ def _pareto(frame, about: dict[str, Any], folder: Path) -> Path:
     best, allowed = front(cost), np.isfinite(cost).all(axis=1)
     x, y = frame[names[0]].to_numpy(float), frame[names[1]].to_numpy(float)
     figure, panel = plt.subplots(figsize=(6.0, 4.5))
-    panel.scatter(x[~allowed], y[~allowed], s=6, color="#bbbbbb", label="breaks a rule or a bound")
-    panel.scatter(x[allowed], y[allowed], s=8, color="#2b6ca3", label="keeps to all")
+    size = float(np.clip(8 * MOST_LINES / max(len(x), 1), 0.5, 8))
+    panel.scatter(x[~allowed], y[~allowed], s=size, lw=0, color="#bbbbbb", label="breaks a rule or a bound")
+    panel.scatter(x[allowed], y[allowed], s=size, lw=0, color="#2b6ca3", label="keeps to all")
     panel.scatter(x[best], y[best], s=22, color="#d1495b", label="not beaten")
     panel.set_xlabel(names[0])
     panel.set_ylabel(names[1])
     panel.grid(alpha=0.3)
-    panel.legend(fontsize=8)
+    for handle in panel.legend(fontsize=8).legend_handles:
+        handle.set_sizes([22])
     return _saved(figure, folder / "pareto.png")
 
 

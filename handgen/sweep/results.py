@@ -26,6 +26,7 @@ FIXED = {
     "finger_g": "both",
     "print_h": "at least: the finger's volume over line width, layer height and speed; no travel",
     "rules_passed": "1 if no rule that was asked finds an error, else 0",
+    "rules_unmet": "how many rules find anything, warnings too, that is not overridden",
 }
 STATUSES = {
     "done": "bent and judged",
@@ -38,8 +39,6 @@ STATUSES = {
 }
 FINISHED = ("done", "incomplete")
 """Statuses with results."""
-FIRST = ("variant", "hash", "status", "reason")
-LAST = ("rules_broken", "flags", "solver", "unknowns", "factorisations", "wall_s")
 
 
 def at(name: str, pressure: float) -> str:

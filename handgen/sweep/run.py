@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import time
 import uuid
 from collections import Counter
@@ -24,8 +25,8 @@ from handgen.sweep.work import retried
 RESULTS, CONFIRMED = "results.parquet", "confirmed.parquet"
 TOLD = 5
 """Best variants that a run tells of, whatever it keeps."""
-REASONS = 100
-"""Different ones that a run counts."""
+REASONS, NUMBERS = 100, re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+"""Different ones that a run counts, and what they may differ in and still be one."""
 EVERY = 2.0
 """Seconds between two lines of progress."""
 Progress = Callable[[str], None]
@@ -105,6 +106,8 @@ class Runner:
         if self._cluster is None:
             self._open = cluster(*self._asked)
             self._cluster = self._open.__enter__()
+            if not self._cluster.workers:
+                self.say(f"no worker there yet; start some: dask worker {self._asked[1]} --nthreads 1")
         return self._cluster
 
     def known(self, key: str) -> dict[str, Any] | None:
@@ -118,7 +121,7 @@ class Runner:
         first = next(missing, None)
         if first is None:
             return
-        clock = _Clock(lambda line: self.say(said + line), lambda: self.cluster.threads)
+        clock = _Clock(lambda line: self.say(said + line), lambda: self.cluster.workers)
         for key, row in self.cluster.rows(_after(first, missing), missing.left, str(self.store.folder),
                                           self.run, self.limit):
             self.keep(key, row)
@@ -169,18 +172,21 @@ def _after(first: Job, rest: Iterator[Job]) -> Iterator[Job]:
 class _Clock:
     """Progress with the time that is left."""
 
-    def __init__(self, say: Progress, threads: Callable[[], int]):
-        self.say, self.threads = say, threads
+    def __init__(self, say: Progress, workers: Callable[[], int]):
+        self.say, self.workers = say, workers
         self.begun = self.told = time.perf_counter()
-        self.done = 0
+        self.first, self.done = self.begun, 0
 
     def tick(self, total: int) -> None:
         self.done += 1
         now = time.perf_counter()
+        if self.done == 1:
+            self.first = now  # before it, workers started
         if now - self.told >= EVERY:
             self.told = now
-            left = (now - self.begun) / self.done * (total - self.done)
-            self.say(f"{self.done} of {total} variants, {self.threads()} workers, {duration(left)} left")
+            left = (now - self.first) / (self.done - 1) * (total - self.done) if self.done > 1 else None
+            self.say(f"{self.done} of {total} variants, {self.workers()} workers"
+                     + ("" if left is None else f", {duration(left)} left"))
 
     def last(self, total: int) -> None:
         self.say(f"{self.done} variants computed in {duration(time.perf_counter() - self.begun)}")
@@ -217,6 +223,7 @@ class Tally:
     def __init__(self, prepared: Prepared):
         self.sweep, self.statuses, self.feasible = prepared.sweep, Counter(), 0
         self.broken, self.missed, self._reasons = Counter(), Counter(), Counter()
+        self._examples: dict[tuple[str, str], str] = {}
         self._best: list[dict[str, Any]] = []
         self.most = max(TOLD, prepared.kept, prepared.sweep.confirm.best if prepared.sweep.confirm else 0)
 
@@ -236,16 +243,17 @@ class Tally:
     def _blame(self, row: dict[str, Any]) -> None:
         """Count why `row` is none of the feasible ones."""
         if row["status"] != "done":
-            why = row["status"], row["reason"]
+            why = row["status"], NUMBERS.sub("#", row["reason"])
             if why in self._reasons or len(self._reasons) < REASONS:
                 self._reasons[why] += 1
+                self._examples.setdefault(why, row["reason"])
         self.broken.update(filter(None, row.get("rules_broken", "").split(", ")))
         self.missed.update(missed(self.sweep, row))
 
     def told_reasons(self) -> list[dict[str, Any]]:
-        """The reasons that most rows have."""
-        return [{"status": status, "reason": reason, "rows": rows}
-                for (status, reason), rows in self._reasons.most_common(TOLD)]
+        """The reasons that most rows have, alike but for their numbers; one of each as it stands."""
+        return [{"status": why[0], "reason": self._examples[why], "rows": rows}
+                for why, rows in self._reasons.most_common(TOLD)]
 
     @property
     def best(self) -> list[dict[str, Any]]:

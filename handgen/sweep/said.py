@@ -37,7 +37,9 @@ def ran(result: dict[str, Any]) -> str:
     statuses = ", ".join(f"{count} {status}" for status, count in sorted(result["statuses"].items()))
     lines = [f"{result['variants']} variants: {statuses}; {result['computed']} computed,"
              f" {result['reused']} known before"]
-    lines += [f"  {found['rows']} {found['status']}: {found['reason']}" for found in result["reasons"]]
+    for found in result["reasons"]:
+        such = ", such as" if found["rows"] > 1 else ""
+        lines.append(f"  {found['rows']} {found['status']}{such}: {found['reason']}")
     for what, told in (("rules_broken", "break"), ("bounds_missed", "miss")):
         lines += [f"  {rows} {told} {name}" for name, rows in sorted(result[what].items())]
     if result["best"]:

@@ -10,11 +10,14 @@ import contextlib
 import json
 import os
 import tempfile
+import time
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from handgen.bending import cache
 
+WRITING, ABANDONED = ".writing", 2.0
+"""Ending of a row that is being written, and seconds after which nobody is at it any more."""
 TIMEOUT = b"Timeout ("
 """How the interpreter's watchdog begins what it writes (`faulthandler`)."""
 MOST_DEATHS = 4
@@ -47,7 +50,7 @@ class Store:
         """Keep `row`, durable at once."""
         path = self.path(key)
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f"{key[:12]}.", suffix=".writing", dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=f"{key[:12]}.", suffix=WRITING, dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(json.dumps(row, allow_nan=True).encode())
@@ -70,6 +73,7 @@ class Store:
         """
         path = self._log(key)
         path.parent.mkdir(parents=True, exist_ok=True)
+        self._sweep_up(key)
         before = path.read_bytes() if path.exists() else b""
         mine, ended = before.count(run.encode()), None
         if mine and TIMEOUT in before:
@@ -80,6 +84,13 @@ class Store:
         log.write(f"{run}\n".encode())
         log.flush()
         return log, ended
+
+    def _sweep_up(self, key: str) -> None:
+        """Take away what a process that was killed had not written to its end."""
+        for beside in self.path(key).parent.glob(f"{key[:12]}.*{WRITING}"):
+            with contextlib.suppress(FileNotFoundError):
+                if time.time() - beside.stat().st_mtime > ABANDONED:
+                    beside.unlink()
 
     def end(self, key: str, log: BinaryIO) -> None:
         log.close()

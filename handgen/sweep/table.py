@@ -25,8 +25,8 @@ def columns(prepared: Prepared, pressures: Sequence[float]) -> dict[str, str]:
     for axis in prepared.sweep.vary:
         found[axis] = "number" if numeric(prepared.sweep, axis) else "text"
     found |= dict.fromkeys(results.names(prepared.sweep, pressures), "number")
-    return found | {"rules_broken": "text", "flags": "text", "solver": "text", "unknowns": "integer",
-                    "factorisations": "integer", "wall_s": "number"}
+    return found | {"rules_broken": "text", "rules_warned": "text", "flags": "text", "solver": "text",
+                    "unknowns": "integer", "factorisations": "integer", "wall_s": "number"}
 
 
 def numeric(sweep: Sweep, axis: str) -> bool:
