@@ -1,4 +1,4 @@
-"""Scoring, verdict, location and the next test, on arrays: against integrals done otherwise, and as
+"""Scoring, verdict and the next test, on arrays: against integrals done otherwise, and as
 properties."""
 
 from dataclasses import replace
@@ -9,7 +9,6 @@ import pytest
 
 from handgen.discrepancy import ask, gaussian, law, outside, untold
 from handgen.discrepancy.library import Library, Series, same_state
-from handgen.discrepancy.locate import compared, locate
 from handgen.discrepancy.observed import Observed, Readings
 from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
 from handgen.discrepancy.score import lawful, score, score_problem
@@ -343,52 +342,6 @@ def test_the_process_outside_learns_a_residual_and_forgets_it_far_away():
     assert np.abs(learned[lib.points("weights")]).max() < 1.5
 
 
-# Where
-
-
-def test_location_finds_the_shape_of_a_residual():
-    lib = library()
-    x = np.array(TESTS[2].loads) / 60
-    for shape, added in (
-        ("offset", np.full(6, 4.0)),
-        ("slope", 8 * (x - 0.5)),
-        ("curvature", 12 * (x - x.mean()) ** 2),
-    ):
-        world = lib.baseline.copy()
-        world[lib.points("finger")] -= added
-        found = {one.test: one for one in locate(lib, readings(lib, world))}["finger"]
-        sizes = {name: abs(sigmas) for name, _, sigmas in found.shapes}
-        assert found.beyond and max(sizes, key=sizes.get) == shape
-
-
-def test_location_finds_a_last_point_that_leaves_the_line():
-    lib = library()
-    world = lib.baseline.copy()
-    world[lib.points("free")[-1]] += 3.0
-    found = {one.test: one for one in locate(lib, readings(lib, world))}
-    size, sigmas = found["free"].last
-    assert size == pytest.approx(-3.0, abs=1.0) and sigmas < -3
-    assert any(words.startswith("at 50 -3") for words in found["free"].words)
-    assert not found["weights"].beyond
-
-
-def test_a_single_repeat_that_is_far_off_is_beyond_chance():
-    lib = library()
-    found = {one.test: one for one in locate(lib, readings(lib, truth(lib, sag=1.0), repeats=1))}
-    assert found["finger"].beyond and found["finger"].assumed > 0.5 and not found["weights"].beyond
-    found = locate(lib, readings(lib, truth(lib, sag=1.0)))
-    assert all(one.assumed is None for one in found)
-
-
-def test_a_residual_that_bends_all_along_is_no_event_at_the_last_load():
-    lib = library()
-    points = lib.points("finger")
-    world = lib.baseline.copy()
-    world[points] -= 8 * (lib.loads[points] / 60) ** 2
-    found = {one.test: one for one in locate(lib, readings(lib, world))}["finger"]
-    assert found.beyond and abs(found.last[1]) < 3
-
-
 def test_an_effect_known_to_be_missing_is_named_though_more_may_be_missing():
     """A surprise at the first load: without the check it is something unknown, with it beside the sag."""
     lib = library(structural=1.5)
@@ -419,20 +372,6 @@ def test_readings_that_deny_what_is_known_are_believed():
     lib = replace(library(), known={"sag": 0.99})
     said = verdict(score(lib, readings(lib, lib.baseline)))
     assert (said.word, said.known) == ("none", ())
-
-
-def test_location_finds_drift_and_hysteresis():
-    down = library(
-        (*TESTS, TESTS[2].__class__("back", "assembly", "tip_drop", TESTS[2].loads[::-1], path="unloading"))
-    )
-    world = down.baseline.copy()
-    world[down.points("back")] = world[down.points("finger")][::-1] + 3.0
-    seen = readings(down, world, scatter={"finger": 0.5, "back": 0.5}, ids=("finger", "back"))
-    ((up, back, size, sigmas),) = compared(seen, down)
-    assert (up, back) == ("finger", "back") and size == pytest.approx(3.0, abs=0.5) and sigmas > 3
-    rows = seen.tests[0].repeats + 4.0 * np.arange(3)[:, None]
-    drifting = Observed((Readings("finger", rows, 0.5),))
-    assert locate(down, drifting)[0].drift[0] == pytest.approx(4.0, abs=0.5)
 
 
 def test_a_library_survives_its_file(tmp_path):

@@ -1,8 +1,11 @@
-"""The elements of one material, and its law as the kernels take it."""
+"""The elements of one material, its law as the kernels take it, and the threads that share them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -53,3 +56,61 @@ class Block:
         if self.form == principal.OGDEN:
             return self.constants * np.where(np.arange(len(self.constants)) % 2, 1.0, 1.0 - lost)
         return (1.0 - lost) * self.constants
+
+
+class Crew:
+    """Threads that share the elements; the first is the caller, who would only wait."""
+
+    def __init__(self, count: int):
+        self.count = count
+        self.pool = ThreadPoolExecutor(count)
+
+    def part(self, number: int, elements: int) -> slice:
+        """What of so many `elements` is the thread `number`'s."""
+        return slice(elements * number // self.count, elements * (number + 1) // self.count)
+
+    def shared(self, work: Callable[[int], Any]) -> list[Any]:
+        """`work(number)` of every thread."""
+        others = [self.pool.submit(work, number) for number in range(1, self.count)]
+        return [work(0), *(other.result() for other in others)]
+
+
+def assemble_blocks(
+    blocks: Sequence[Block], crew: Crew, x: np.ndarray, frames: np.ndarray, curves: np.ndarray, lost: float,
+    exact: bool, force: np.ndarray, matrix: np.ndarray,
+) -> tuple[float, float]:
+    """Add all elements' forces and tangent (`element.assemble`); returns (energy, least J).
+
+    `lost`: the share of the silicone's stresses that it has lost.
+    """
+
+    def share(number: int):
+        own = (np.zeros_like(force), np.zeros_like(matrix)) if number else (force, matrix)
+        energy, least = 0.0, np.inf
+        for b in blocks:
+            at = crew.part(number, len(b.cells))
+            part, low = element.assemble(
+                x, b.cells[at], b.dn[at], b.weight[at], b.form, b.softened(lost) if b.mean else b.constants,
+                b.bulk, b.mean, b.stress[at], b.pressure[at], exact, b.kept[at], b.swell[at], b.dofs[at],
+                b.place[at], frames, curves, b.framed[at], *own)
+            energy, least = energy + part, min(least, low)
+        return energy, least, own
+
+    first, *others = crew.shared(share)
+    for _, _, (more, stiffer) in others:
+        force += more
+        matrix += stiffer
+    parts = [first, *others]
+    return sum(part[0] for part in parts), min(part[1] for part in parts)
+
+
+def extrapolate_blocks(blocks: Sequence[Block], crew: Crew, moved: np.ndarray) -> None:
+    """Write what Newton extrapolates at the elements' points after the nodes' step `moved` (N, 3)."""
+
+    def share(number: int) -> None:
+        for b in blocks:
+            at = crew.part(number, len(b.cells))
+            element.extrapolate(moved, b.cells[at], b.dn[at], b.weight[at], b.bulk, b.mean, b.kept[at],
+                                b.swell[at], b.stress[at], b.pressure[at])
+
+    crew.shared(share)

@@ -246,3 +246,28 @@ CORNERS_AND_EDGES = (
     (1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2),
     (0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1))
 """Places of a 20-node element's nodes in its 3 x 3 x 3 grid, in VTK's order."""
+
+
+def palmar(profile: FingerProfile, bones: Bones) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 3) of the bones' palmar outside, straight, their bones, and the area of each, mm2.
+
+    The rounded tip has a back too: what is bent past 90 degrees stands on it.
+    """
+    points, bodies = [], []
+    for b, (start, end) in enumerate(zip(bones.start, bones.end, strict=True)):
+        last = b == len(bones.start) - 1
+        stop = profile.length if last else end
+        x = np.linspace(start, stop, max(2, round((stop - start) / 0.5)) + 1)
+        if last:
+            # Evenly along the rounded tip's arc, not along x.
+            dome = profile.finger.inner_length + (profile.length - profile.finger.inner_length) * np.sin(
+                np.linspace(0, np.pi / 2, 31))
+            x = np.concatenate([x[x < dome[0] - 0.25], dome])
+        radius = profile.outer_radius(x)
+        if last:
+            back = dome[-2::-1]
+            x, radius = np.concatenate([x, back]), np.concatenate([radius, -profile.outer_radius(back)])
+        points.append(np.stack([x, 0 * x, -radius], -1))
+        bodies.append(np.full(len(x), b))
+    found = np.vstack(points)
+    return found, np.concatenate(bodies), np.ones(len(found))

@@ -47,6 +47,8 @@ GROWTH, CUT = 2.0, 0.5
 """Of a step after an easy and after a failed one."""
 EASY, PLAIN = 6, 3
 """Iterations up to which the next step may be longer, and may be so by GROWTH twice."""
+ROUNDED = 1e-9
+"""Shares of the way to a target closer than that are one."""
 JUMP = 1.0
 """mm that some place moves at least where the finger folds; a state nearer by was only hard to find."""
 AFTER = 0.5
@@ -120,16 +122,16 @@ class Solver:
         if not whole.any():
             return replace(point, folds=folds), True
         start, gone, last = point.load, 0.0, 1.0
-        failed = []  # shares of the way, the nearest last
-        while gone < 1.0:
+        failed: list[float] = []  # shares of the way, the nearest last
+        while gone < 1.0 - ROUNDED:
             ahead = self._ahead(whole, 1.0 - gone, failed[-1] - gone if failed else np.inf, last)
-            new = start.towards(target, gone + ahead) if gone + ahead < 1.0 - 1e-9 else target
+            new = start.towards(target, gone + ahead) if gone + ahead < 1.0 - ROUNDED else target
             found = self._step(point, new)
             if found is not None:
                 self.cost.steps += 1
                 point, iterations = found
-                gone, last = (1.0 if new is target else gone + ahead), ahead
-                failed = [other for other in failed if other > gone]
+                gone, last = gone + ahead, ahead
+                failed = [other for other in failed if other > gone + ROUNDED]
                 if iterations <= EASY:
                     self._scale(whole, GROWTH if iterations > PLAIN else GROWTH**2)
                 continue
@@ -139,7 +141,7 @@ class Solver:
             self._steps = [w * ahead * CUT if w else s for w, s in zip(whole, self._steps, strict=True)]
             if self._shortest(whole):
                 # A long step on: nearer to the limit point it would linger there.
-                gone = min(1.0, gone + 1.0 / float((whole / LONGEST.parts).max()))
+                gone += min(1.0 - gone, 1.0 / float((whole / LONGEST.parts).max()))
                 jumped = self._relaxed(point.q, start.towards(target, gone))
                 if jumped is None or not self._stable(jumped):
                     return replace(point, folds=folds), False
@@ -158,7 +160,7 @@ class Solver:
         """
         step = min(s / w for s, w in zip(self._steps, whole, strict=True) if w)
         if room <= left and step >= room:
-            return room if room <= last * (1 + 1e-9) else room / 2
+            return room if room <= last + ROUNDED else room / 2
         if step < left < 2 * step:
             return left / 2  # two equal steps rather than a long and a tiny one
         return min(step, left)
@@ -276,6 +278,7 @@ class Solver:
                 if free is not None:
                     return Point(load, free[0], free[1])
                 calm = dragged / 10
+            # As low as is easy to follow, but not at once to where it was too low: what it must hold changes.
             strength *= 0.8 if found[2] > EASY else 0.4 if found[2] > PLAIN else 0.16
             strength, weak = max(strength, 1.5 * weak), 0.8 * weak
         return None

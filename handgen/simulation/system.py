@@ -8,17 +8,16 @@ and positive definite where the state is stable; what friction takes from that i
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from handgen.simulation import contact, element, fibre, shapes
+from handgen.simulation import contact, fibre, shapes
 from handgen.simulation.base import Base, add_turned_plane
-from handgen.simulation.block import Block, kernel_law
+from handgen.simulation.block import Block, Crew, assemble_blocks, extrapolate_blocks, kernel_law
 from handgen.simulation.case import Case, Grid, Substance
 from handgen.simulation.cast import free_of_stress
 from handgen.simulation.closing import Closing
-from handgen.simulation.exoskeleton import NEVER, ExoskeletonMesh, exoskeleton_mesh
+from handgen.simulation.exoskeleton import NEVER, ExoskeletonMesh, exoskeleton_mesh, palmar
 from handgen.simulation.loads import Load, Loads
 from handgen.simulation.mesh import ActuatorMesh, actuator_mesh
 from handgen.simulation.offcentre import shifted
@@ -37,8 +36,7 @@ class System:
 
     def __init__(self, case: Case, threads: int = 1):
         self.case = case
-        self.threads_count = threads
-        self.pool = ThreadPoolExecutor(threads)
+        self.crew = Crew(threads)
         self.actuator: ActuatorMesh | None = None
         self.exoskeleton: ExoskeletonMesh | None = None
         if case.part != "exoskeleton":
@@ -190,33 +188,9 @@ class System:
         self.pair_stiffness = np.zeros(len(self.pair_nodes))
         self.lever, self.press = np.zeros((2, len(self.pair_nodes), 9))
         self.grip = 0.0
-        self.plane_points, self.plane_bodies, self.plane_areas = self._plane()
-
-    def _plane(self):
-        """Points of the bones' palmar outside, straight, their bones, and the area of each, mm2.
-
-        The rounded tip has a back too: what is bent past 90 degrees stands on it.
-        """
-        if self.case.obstacle is None or self.bones is None:
-            return np.zeros((0, 3)), np.zeros(0, int), np.zeros(0)
-        profile, points, bodies, areas = self.case.finger, [], [], []
-        for b, (start, end) in enumerate(zip(self.bones.start, self.bones.end, strict=True)):
-            last = b == len(self.bones.start) - 1
-            stop = profile.length if last else end
-            x = np.linspace(start, stop, max(2, round((stop - start) / 0.5)) + 1)
-            if last:
-                # Evenly along the rounded tip's arc, not along x.
-                dome = profile.finger.inner_length + (profile.length - profile.finger.inner_length) * np.sin(
-                    np.linspace(0, np.pi / 2, 31))
-                x = np.concatenate([x[x < dome[0] - 0.25], dome])
-            radius = profile.outer_radius(x)
-            if last:
-                back = dome[-2::-1]
-                x, radius = np.concatenate([x, back]), np.concatenate([radius, -profile.outer_radius(back)])
-            points.append(np.stack([x, 0 * x, -radius], -1))
-            bodies.append(np.full(len(x), b))
-            areas.append(np.full(len(x), 1.0))
-        return np.vstack(points), np.concatenate(bodies), np.concatenate(areas)
+        self.plane_points, self.plane_bodies, self.plane_areas = (
+            (np.zeros((0, 3)), np.zeros(0, int), np.zeros(0)) if self.case.obstacle is None
+            or self.bones is None else palmar(self.case.finger, self.bones))
 
     def _lay_out(self) -> None:
         """Unknowns of all elements and where their matrices' entries go."""
@@ -276,7 +250,9 @@ class System:
         x = self.positions(q)
         frames, curves = self._frames(x, q)
         self._placed = x, frames
-        energy, force, matrix, least = self._deform(x, frames, curves, load.lost, exact)
+        force, matrix = np.zeros(self.size), np.zeros(self.pattern.entries)
+        energy, least = assemble_blocks(
+            self.blocks, self.crew, x, frames, curves, load.lost, exact, force, matrix)
         if least <= 0.0:
             return np.inf, force, matrix, least
         if len(self.threads):
@@ -324,38 +300,6 @@ class System:
             energy += self.closing.add(self.bone_states(q), *self.groups["closing"], force, matrix)
         return energy
 
-    def _deform(self, x, frames, curves, lost: float, exact: bool):
-        """(energy, force, matrix, least J) of the elements, in as many threads as there are."""
-
-        def share(number: int):
-            force, matrix = np.zeros(self.size), np.zeros(self.pattern.entries)
-            energy, least = 0.0, np.inf
-            for b in self.blocks:
-                at = self._part(number, len(b.cells))
-                part, low = element.assemble(
-                    x, b.cells[at], b.dn[at], b.weight[at], b.form,
-                    b.softened(lost) if b.mean else b.constants, b.bulk, b.mean,
-                    b.stress[at], b.pressure[at], exact, b.kept[at], b.swell[at], b.dofs[at],
-                    b.place[at], frames, curves, b.framed[at], force, matrix)
-                energy, least = energy + part, min(least, low)
-            return energy, force, matrix, least
-
-        first, *others = self._shared(share)
-        for other in others:
-            first[1].__iadd__(other[1])
-            first[2].__iadd__(other[2])
-        parts = [first, *others]
-        return sum(p[0] for p in parts), first[1], first[2], min(p[3] for p in parts)
-
-    def _part(self, number: int, count: int) -> slice:
-        """What of `count` elements is the thread `number`'s."""
-        return slice(count * number // self.threads_count, count * (number + 1) // self.threads_count)
-
-    def _shared(self, work):
-        """`work(number)` of every thread; the first part is the caller's, who would only wait."""
-        others = [self.pool.submit(work, number) for number in range(1, self.threads_count)]
-        return [work(0), *(other.result() for other in others)]
-
     @property
     def placed(self) -> np.ndarray:
         """(N, 3) nodes where the system was assembled last, mm."""
@@ -398,13 +342,7 @@ class System:
         """
         x, (moved, turned) = self.placed, self.moved(step)
 
-        def share(number: int):
-            for b in self.blocks:
-                at = self._part(number, len(b.cells))
-                element.extrapolate(moved, b.cells[at], b.dn[at], b.weight[at], b.bulk, b.mean,
-                                    b.kept[at], b.swell[at], b.stress[at], b.pressure[at])
-
-        self._shared(share)
+        extrapolate_blocks(self.blocks, self.crew, moved)
         if len(self.threads):
             fibre.extrapolate_threads(x, moved, self.threads, self.thread_length, self.thread_stiffness,
                                       self.compressive, self.tension)
