@@ -9,9 +9,8 @@ import pytest
 from scipy.integrate import quad
 
 from handgen.simulation import cavity, contact, fibre, friction
-from handgen.simulation.sparse import Cholmod, Pattern, SuperLU
 from handgen.simulation.system import Load, System
-from tests.fingers import assembler, case, only_pairs, shaken, stiffness
+from tests.fingers import assembler, case, only_pairs, shaken
 from tests.small_solids import slope_error
 
 STEP = 2e-6
@@ -217,43 +216,3 @@ class TestThread:
         if strain == -0.02:
             assert stiff == share
             assert 0 < -force < 0.04 * 0.02
-
-
-class TestSparse:
-    """Cholesky of CHOLMOD and LU of scipy, on matrices of which numpy knows the truth."""
-
-    @pytest.mark.parametrize("kind", [Cholmod, SuperLU])
-    def test_factorises_solves_and_counts_negative_pivots(self, kind):
-        rng = np.random.default_rng(0)
-        groups = [rng.integers(-1, 30, (40, 6))]
-        groups[0][0] = np.arange(6)
-        pattern = Pattern(groups, 30)
-        dense = np.zeros((30, 30))
-        values = np.zeros(pattern.entries)
-        for dofs, place in zip(groups[0], pattern.places[0], strict=True):
-            a = rng.normal(size=(6, 6))
-            a = a + a.T
-            for i in range(6):
-                for j in range(6):
-                    if dofs[i] >= 0 and dofs[j] >= 0:
-                        dense[dofs[i], dofs[j]] += a[i, j]
-                    if place[i, j] >= 0:
-                        values[place[i, j]] += a[i, j]
-        lift = 1.0 - np.linalg.eigvalsh(dense)[0]
-        for more, positive in ((lift, True), (0.2 * lift, False)):
-            now = values.copy()
-            now[pattern.diagonal] += more
-            whole = dense + more * np.eye(30)
-            factor = kind(pattern)
-            assert factor.factorise(now) is positive
-            negative = (np.linalg.eigvalsh(whole) < 0).sum()
-            assert factor.indefinite(now) == negative
-            right = rng.normal(size=30)
-            assert whole @ factor.solve(right) == pytest.approx(right, abs=1e-9)
-
-    def test_the_systems_pattern_is_that_of_its_tangent(self):
-        system = System(case("actuator"))
-        _, _, values, _ = system.assemble(np.zeros(system.size), Load(0.0, 0.02, 0.0), exact=True)
-        matrix = stiffness(system, values)
-        assert abs(matrix - matrix.T).max() == 0
-        assert len(values) == system.pattern.entries

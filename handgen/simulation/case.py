@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -112,7 +113,7 @@ class Case:
         curled = self.part == "assembly" and any(joint.rest_angle for joint in self.finger.finger.joints)
         return 1.0 - self.curl_taken if curled else 0.0
 
-    @property
+    @cached_property
     def tight(self) -> float:
         """mm by which the bore, where it is narrowest, is narrower than its actuator; 0: nowhere."""
         if self.part != "assembly" or self.contact.bonded:

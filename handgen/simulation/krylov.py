@@ -7,6 +7,7 @@ already, the residual of the last.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -19,22 +20,27 @@ def gmres(product: Callable[[np.ndarray], np.ndarray], right: np.ndarray, tolera
     size = float(np.linalg.norm(right))
     if size == 0.0:
         return np.zeros_like(right)
-    ways, projected = np.empty((most + 1, len(right))), np.zeros((most + 1, most))
+    ways, triangle, turns = np.empty((most + 1, len(right))), np.zeros((most, most)), []
     ways[0] = right / size
-    first = np.zeros(most + 1)
-    first[0] = size
-    share = np.zeros(0)
+    left, turned = size, np.zeros(most)  # of the residual: along what is not known yet, and along what is
     for k in range(most):
-        new = product(ways[k])
-        known = ways[:k + 1]
-        for _ in range(2):  # once more: what rounding leaves along the known ways
-            along = known @ new
-            new = new - along @ known
-            projected[:k + 1, k] += along
-        projected[k + 1, k] = length = float(np.linalg.norm(new))
-        share, *_ = np.linalg.lstsq(projected[:k + 2, :k + 1], first[:k + 2])
-        left = float(np.linalg.norm(first[:k + 2] - projected[:k + 2, :k + 1] @ share))
-        if left <= tolerance * size or length == 0.0:
+        new, known = product(ways[k]), ways[:k + 1]
+        column = known @ new
+        new = new - column @ known
+        more = known @ new  # once more: what rounding leaves along the known ways
+        new -= more @ known
+        column += more
+        length = float(np.linalg.norm(new))
+        # Givens' rotations keep what is projected triangular, so that the residual is known at once.
+        for i, (cosine, sine) in enumerate(turns):
+            a, b = column[i:i + 2]
+            column[i:i + 2] = cosine * a + sine * b, cosine * b - sine * a
+        across = math.hypot(column[k], length)
+        turns.append((column[k] / across, length / across))
+        column[k] = across
+        triangle[:k + 1, k] = column
+        turned[k], left = turns[k][0] * left, -turns[k][1] * left
+        if abs(left) <= tolerance * size or length == 0.0:
             break
         ways[k + 1] = new / length
-    return share @ ways[:len(share)]
+    return np.linalg.solve(triangle[:k + 1, :k + 1], turned[:k + 1]) @ ways[:k + 1]

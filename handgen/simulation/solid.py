@@ -13,7 +13,7 @@ THREADS = "HANDGEN_THREADS"
 cores; more do not pay. One where many bends run side by side."""
 
 FACTORISER = "HANDGEN_FACTORISER"
-"""Environment variable: CHOLMOD, PARDISO or SuperLU; if not set, CHOLMOD, or SuperLU without cvxopt."""
+"""Environment variable: envelope (if not set), CHOLMOD, PARDISO or SuperLU."""
 
 
 def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve:

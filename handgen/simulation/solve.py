@@ -88,7 +88,7 @@ class Solver:
 
     def __init__(self, system: System, factoriser_name: str = ""):
         self.system = system
-        self.matrix = factoriser(system.pattern, factoriser_name)
+        self.matrix = factoriser(system.pattern, system.crew, factoriser_name)
         self.cost = Cost()
         self.folds: list[float] = []
         self.ran_away: runaway.Wall | None = None

@@ -1,17 +1,24 @@
 """The system's sparse matrix: one pattern for all load steps, and who factorises it.
 
 A factoriser takes the lower triangle and says whether it is positive definite: the tangent of a stable
-state is, so that a Cholesky that fails is itself the guard. CHOLMOD (Y. Chen, T. A. Davis, W. W. Hager,
-S. Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22) through cvxopt is the fastest small one; without it
-scipy's SuperLU does the same, several times slower. PARDISO is there for those who have it (the extra
-`pardiso`: several hundred megabytes).
+state is, so that a factorisation that fails is itself the guard. Our own `envelope` knows that a finger is
+slender, and takes it from both ends at once, in half of the time of CHOLMOD (Y. Chen, T. A. Davis, W. W.
+Hager, S. Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22). That one, through cvxopt (the extra `cholmod`),
+scipy's SuperLU and PARDISO (the extra `pardiso`: several hundred megabytes) are there to compare with:
+`python -m tests.benchmarks.bend factorisers`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from handgen.simulation.envelope import Envelope
+
+if TYPE_CHECKING:
+    from handgen.simulation.block import Crew
 
 WIDE = 4
 """Times as many neighbours as usual, from which on an unknown is eliminated last."""
@@ -41,10 +48,9 @@ class Pattern:
         return np.where(kept, column * self.size + row, -1)
 
 
-def _along(pattern: Pattern) -> np.ndarray:
-    """The unknowns in an order for a slender body: along it, by reverse Cuthill-McKee; those that meet many
-    more than usual, as bones do, last. CHOLMOD takes it where it leaves less to do than its own order: a
-    factorisation of the adult's fingers takes a seventh less."""
+def along(pattern: Pattern) -> tuple[np.ndarray, int]:
+    """(unknowns in an order for a slender body, how many of them lie along it): by reverse Cuthill-McKee;
+    those that meet many more than usual, as bones do, last."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import reverse_cuthill_mckee
 
@@ -54,12 +60,12 @@ def _along(pattern: Pattern) -> np.ndarray:
     many = np.diff(whole.indptr)
     wide = many > WIDE * np.median(many)
     narrow = np.flatnonzero(~wide)
-    along = reverse_cuthill_mckee(whole[narrow][:, narrow], symmetric_mode=True)
-    return np.concatenate([narrow[along], np.flatnonzero(wide)])
+    order = reverse_cuthill_mckee(whole[narrow][:, narrow], symmetric_mode=True)
+    return np.concatenate([narrow[order], np.flatnonzero(wide)]), len(narrow)
 
 
 class Cholmod:
-    """Supernodal Cholesky of cvxopt."""
+    """Supernodal Cholesky of cvxopt, along the body where that leaves less to do than CHOLMOD's own order."""
 
     name = "CHOLMOD"
 
@@ -70,7 +76,7 @@ class Cholmod:
         cholmod.options["supernodal"] = 2
         cholmod.options["print"] = 0
         self._a = spmatrix(1.0, pattern.rows.tolist(), pattern.columns.tolist(), (pattern.size, pattern.size))
-        order = matrix(_along(pattern).tolist())
+        order = matrix(along(pattern)[0].tolist())
         self._factor = self._used = cholmod.symbolic(self._a, p=order, uplo="L")
         self._simplicial = None
 
@@ -182,19 +188,16 @@ class Pardiso:
         return self._solver._call_pardiso(self._upper, np.asfortranarray(right))
 
 
-FACTORISERS = {kind.name: kind for kind in (Cholmod, Pardiso, SuperLU)}
+FACTORISERS = {kind.name: kind for kind in (Envelope, Cholmod, Pardiso, SuperLU)}
 
 
-def factoriser(pattern: Pattern, name: str = "") -> Cholmod | Pardiso | SuperLU:
-    """CHOLMOD, SuperLU where cvxopt is missing, or the one called `name`.
+def factoriser(pattern: Pattern, crew: Crew, name: str = "") -> Envelope | Cholmod | Pardiso | SuperLU:
+    """The envelope, whose work `crew` shares, or the one called `name`.
 
     Raises:
         KeyError: there is none of this name.
         ImportError: its package is missing.
     """
-    if name:
-        return FACTORISERS[name](pattern)
-    try:
-        return Cholmod(pattern)
-    except ImportError:
-        return SuperLU(pattern)
+    if name in ("", Envelope.name):
+        return Envelope(pattern, *along(pattern), crew)
+    return FACTORISERS[name](pattern)

@@ -85,7 +85,7 @@ def factorisers() -> None:
     from handgen.simulation.sparse import FACTORISERS, factoriser
     from handgen.simulation.system import Load, System
 
-    system = System(case_of())
+    system = System(case_of(), 2)
     _, _, values, _ = system.assemble(np.zeros(system.size), Load(), exact=False)
     values[system.pattern.diagonal] += 1.0  # what nothing touches yet is held
     right = np.ones(system.size)
@@ -93,7 +93,7 @@ def factorisers() -> None:
     print("| factoriser | factorise, ms | solve, ms |\n" + "|---" * 3 + "|")
     for name in FACTORISERS:
         try:
-            matrix, spent = factoriser(system.pattern, name), ([], [])
+            matrix, spent = factoriser(system.pattern, system.crew, name), ([], [])
         except ImportError as error:
             print(f"| {name} | {error} | |")
             continue
