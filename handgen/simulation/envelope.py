@@ -191,7 +191,7 @@ def _up(rows, at, first, border, begins, d, x, y):
                 known[j] -= own[i, j] * t0 + own[i + 1, j] * t1 + (own[i + 2, j] * t2 + own[i + 3, j] * t3)
 
 
-def whole(count: int) -> int:
+def filled_up(count: int) -> int:
     """`count` and the idle rows that fill it up."""
     return -(-count // NB) * NB
 
@@ -199,17 +199,18 @@ def whole(count: int) -> int:
 class Arm:
     """One end of the body: n rows, each from its first column on, and g of a border that meet it.
 
-    r, c: rows and columns of the entries that there are, no column after its row; rows from n on are the
+    which, r, c: numbers, rows and columns of its entries, no column after its row; rows from n on are the
     border's, which the arm keeps in the order in which they meet it. Both n and g are whole; idle: rows that
-    fill up, and have no entries.
+    fill up, and have no entries; `whole`: any entry may come to be, given or not.
     """
 
-    def __init__(self, n: int, g: int, r: np.ndarray, c: np.ndarray, idle: np.ndarray):
+    def __init__(self, n: int, g: int, which: np.ndarray, r: np.ndarray, c: np.ndarray, idle: np.ndarray,
+                 whole: bool = False):
         starts = np.arange(0, n, NB)
         inside, low, begins = r < n, np.arange(n), np.full(g, n)
         np.minimum.at(low, r[inside], c[inside])
         np.minimum.at(begins, r[~inside] - n, c[~inside])
-        low = np.minimum.accumulate(low[::-1])[::-1]
+        low = np.zeros(n, int) if whole else np.minimum.accumulate(low[::-1])[::-1]
         self.kept = np.argsort(begins, kind="stable")
         """(g,) numbers of the border's rows as they are kept, and ..."""
         self.at_border = np.argsort(self.kept)
@@ -225,8 +226,9 @@ class Arm:
         self._how = (self.rows, self.at, self.first, ends, self.border, met, self.corner, self.d,
                      np.empty((NB, NB)), np.empty((NB, most)), np.empty((NB, most)))
         self.idle = self.place(idle, idle)
-        self.inside = np.flatnonzero(inside), self.place(r[inside], c[inside])
-        self.outside = np.flatnonzero(~inside), self.at_border[r[~inside] - n] * n + c[~inside]
+        self.filled = [
+            (self.rows, which[inside], self.place(r[inside], c[inside])),
+            (self.border.reshape(-1), which[~inside], self.at_border[r[~inside] - n] * n + c[~inside])]
 
     def place(self, r: np.ndarray, c: np.ndarray) -> np.ndarray:
         """Where in `rows` the entries in rows r and columns c lie."""
@@ -234,10 +236,14 @@ class Arm:
         return self.at[b] + (r - b * NB) * self.width[b] + c - self.first[b]
 
     def factorise(self, values: np.ndarray) -> None:
-        """L and D of the entries' `values`, in the order in which they were given."""
-        for flat, (chosen, places) in ((self.rows, self.inside), (self.border.reshape(-1), self.outside)):
-            _fill(flat, places, values, chosen)
+        """L and D of the matrix whose entries have `values`."""
+        self.fill(values)
         self.eliminate()
+
+    def fill(self, values: np.ndarray) -> None:
+        """Write the entries' `values` to where they belong."""
+        for flat, which, places in self.filled:
+            _fill(flat, places, values, which)
 
     def eliminate(self) -> None:
         """L and D of what stands in `rows` and `border`."""
@@ -245,10 +251,10 @@ class Arm:
         self.corner[:] = 0.0
         _eliminate(*self._how)
 
-    def left(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        """What the arm leaves of the border's entries in rows i and columns j, not above the diagonal."""
+    def in_corner(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """Where in `corner`, flat, stands what is left of the border's entries in rows i and columns j."""
         a, b = self.at_border[i], self.at_border[j]
-        return self.corner[np.maximum(a, b), np.minimum(a, b)]
+        return np.maximum(a, b) * len(self.corner) + np.minimum(a, b)
 
     def down(self, x: np.ndarray, y: np.ndarray) -> None:
         """Solve L x = x; take from the border's `y` what that does to it."""
@@ -283,7 +289,7 @@ class Envelope:
         m = int(np.abs(ends - (narrow - beyond)).argmin())
         e = int(beyond[m])
         parts = order[:m], order[e:narrow][::-1], np.concatenate([order[m:e], order[narrow:]])
-        n0, n1, g = (whole(len(part)) for part in parts)
+        n0, n1, g = (filled_up(len(part)) for part in parts)
         # Idle rows stand at an arm's outer end, which meets nothing, and at the corner's beginning.
         self.size, self.order = pattern.size, np.full(n0 + n1 + g, pattern.size)
         for part, end in zip(parts, (n0, n0 + n1, n0 + n1 + g), strict=True):
@@ -291,17 +297,15 @@ class Envelope:
         r, c = self._places(pattern, self.order)
         tail, idle = n0 + n1, self.order == pattern.size
         self.cuts = n0, tail
-        self.arms, self.parts = [], []
+        self.arms = []
         for base, n in ((0, n0), (n0, n1)):
             part = np.flatnonzero((c >= base) & (c < base + n))
-            self.parts.append(part)
-            self.arms.append(Arm(n, g, np.where(r[part] < tail, r[part] - base, n + r[part] - tail),
+            self.arms.append(Arm(n, g, part, np.where(r[part] < tail, r[part] - base, n + r[part] - tail),
                                  c[part] - base, np.flatnonzero(idle[base:base + n])))
-        i, j = self.triangle = np.tril_indices(g)
-        self.corner = Arm(g, 0, i, j, np.flatnonzero(idle[tail:]))
-        self.whole_corner = self.corner.place(i, j)
+        i, j = np.tril_indices(g)
         last = np.flatnonzero(c >= tail)
-        self.last = last, self.corner.place(r[last] - tail, c[last] - tail)
+        self.corner = Arm(g, 0, last, r[last] - tail, c[last] - tail, np.flatnonzero(idle[tail:]), whole=True)
+        self.left = self.corner.place(i, j), [arm.in_corner(i, j) for arm in self.arms]
         self._values: np.ndarray | None = None
 
     @staticmethod
@@ -315,10 +319,10 @@ class Envelope:
     def factorise(self, values: np.ndarray) -> bool:
         """Whether the matrix of `values` is positive definite; `solve` may be called in any case."""
         self._values = values
-        self._each(lambda k: self.arms[k].factorise(values[self.parts[k]]))
-        chosen, places = self.last
-        _fill(self.corner.rows, places, values, chosen)
-        self.corner.rows[self.whole_corner] += sum(arm.left(*self.triangle) for arm in self.arms)
+        self._each(lambda k: self.arms[k].factorise(values))
+        self.corner.fill(values)
+        places, left = self.left
+        self.corner.rows[places] += sum(arm.corner.take(at) for arm, at in zip(self.arms, left, strict=True))
         self.corner.eliminate()
         return self.indefinite(values) == 0
 

@@ -37,8 +37,9 @@ NEARLY = 1e-3
 """Residual from which on the tangent of the iteration before serves once more: a hundredth is left by it."""
 TURN = 0.3
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
-NEGATIVES = 4
-"""Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor."""
+NEGATIVES, UNSTABLE = 4, 2
+"""Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor; and tangents
+that have some: what a third one leads to is no stable state."""
 STEPS = Load(0.1, 0.004, 0.06, 0.05, 0.1)
 """First steps: share of own weight, MPa, N, shares of the silicone's stiffness and of the fit."""
 LONGEST = Load(0.5, 0.020, 0.20, 0.3, 0.5)
@@ -57,6 +58,8 @@ DRAG = 1.0
 """N/mm on an element's share of mass, at first, when a fold is followed in artificial time."""
 CALM = 0.1
 """Largest force that the drag holds, over the largest acting one, at which the finger is let go."""
+TOO_WEAK = 2.5
+"""Times a drag that was too weak, the least that is tried next; it is forgotten by a fifth a step."""
 RELAXATIONS = 120
 """Steps of artificial time at most."""
 
@@ -213,7 +216,7 @@ class Solver:
         """
         s = self.system
         earlier = last = np.inf
-        fresh = False
+        fresh, unstable = False, 0
         for iteration in range(MOST_ITERATIONS + 1):
             _, force, values, least = s.assemble(q, load, exact=False)
             self.cost.assemblies += 1
@@ -234,7 +237,8 @@ class Solver:
                 fresh = False
             elif not (fresh := self._factorise(values)):
                 self.cost.indefinite += 1
-                if drag is not None or self.matrix.indefinite(values) > NEGATIVES:
+                unstable += 1
+                if drag is not None or unstable > UNSTABLE or self.matrix.indefinite(values) > NEGATIVES:
                     return None
             step = self._solve(-force)
             turn = np.abs(step[s.turns]).max(initial=0.0)
@@ -280,7 +284,7 @@ class Solver:
                 calm = dragged / 10
             # As low as is easy to follow, but not at once to where it was too low: what it must hold changes.
             strength *= 0.8 if found[2] > EASY else 0.4 if found[2] > PLAIN else 0.16
-            strength, weak = max(strength, 1.5 * weak), 0.8 * weak
+            strength, weak = max(strength, TOO_WEAK * weak), 0.8 * weak
         return None
 
     def _stable(self, point: Point) -> bool:
