@@ -200,17 +200,17 @@ class Arm:
     """One end of the body: n rows, each from its first column on, and g of a border that meet it.
 
     which, r, c: numbers, rows and columns of its entries, no column after its row; rows from n on are the
-    border's, which the arm keeps in the order in which they meet it. Both n and g are whole; idle: rows that
-    fill up, and have no entries; `whole`: any entry may come to be, given or not.
+    border's, which the arm keeps in the order in which they meet it. Both n and g are filled up; idle: rows that
+    do that, and have no entries; `full`: any entry may come to be, given or not.
     """
 
     def __init__(self, n: int, g: int, which: np.ndarray, r: np.ndarray, c: np.ndarray, idle: np.ndarray,
-                 whole: bool = False):
+                 full: bool = False):
         starts = np.arange(0, n, NB)
         inside, low, begins = r < n, np.arange(n), np.full(g, n)
         np.minimum.at(low, r[inside], c[inside])
         np.minimum.at(begins, r[~inside] - n, c[~inside])
-        low = np.zeros(n, int) if whole else np.minimum.accumulate(low[::-1])[::-1]
+        low = np.zeros(n, int) if full else np.minimum.accumulate(low[::-1])[::-1]
         self.kept = np.argsort(begins, kind="stable")
         """(g,) numbers of the border's rows as they are kept, and ..."""
         self.at_border = np.argsort(self.kept)
@@ -304,7 +304,7 @@ class Envelope:
                                  c[part] - base, np.flatnonzero(idle[base:base + n])))
         i, j = np.tril_indices(g)
         last = np.flatnonzero(c >= tail)
-        self.corner = Arm(g, 0, last, r[last] - tail, c[last] - tail, np.flatnonzero(idle[tail:]), whole=True)
+        self.corner = Arm(g, 0, last, r[last] - tail, c[last] - tail, np.flatnonzero(idle[tail:]), full=True)
         self.left = self.corner.place(i, j), [arm.in_corner(i, j) for arm in self.arms]
         self._values: np.ndarray | None = None
 

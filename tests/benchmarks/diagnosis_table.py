@@ -65,6 +65,12 @@ def same_class(row: dict, hidden: Sequence[str]) -> bool:
                for name in row["effects"])
 
 
+def reported_as_one(row: dict) -> bool:
+    """What is named with the hidden effect struck off was, beside it, one class with it that foretells the
+    same readings (`whole`: the classes that were reported then)."""
+    return any({*row["effects"], *row["hidden"]} <= set(group) for group in row["whole"])
+
+
 def tells(row: dict) -> bool:
     """It names an effect, or effects of one class that it would name but for each other."""
     return names(row) or bool(row["untold"])
@@ -117,7 +123,7 @@ def _naming(kinds) -> list[str]:
 
 
 def _silence(kinds) -> list[str]:
-    without = [{**r["without"], "hidden": r["hidden"]} for r in seen(kinds)]
+    without = [{**r["without"], "hidden": r["hidden"], "whole": r["classes"]} for r in seen(kinds)]
     return [
         "2 silence",
         f"  nothing hidden, names           {part(kinds['none'], names)}   [<= 5]",
@@ -130,6 +136,8 @@ def _silence(kinds) -> list[str]:
         f"{part(kinds['outside'], lambda r: r['word'] in ('outside', 'ambiguous'))}   [>= 85]",
         "  effect struck off, false name   "
         f"{part(without, lambda r: names(r) and not same_class(r, r['hidden']))}   [<= 10]",
+        f"  ... of them, of an effect that the whole catalogue reports as one class with what is hidden  "
+        f"{part(without, lambda r: names(r) and not same_class(r, r['hidden']) and reported_as_one(r))}",
         f"  ... name of the same class      "
         f"{part(without, lambda r: names(r) and same_class(r, r['hidden']))}",
     ]
