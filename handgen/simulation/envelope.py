@@ -200,8 +200,8 @@ class Arm:
     """One end of the body: n rows, each from its first column on, and g of a border that meet it.
 
     which, r, c: numbers, rows and columns of its entries, no column after its row; rows from n on are the
-    border's, which the arm keeps in the order in which they meet it. Both n and g are filled up; idle: rows that
-    do that, and have no entries; `full`: any entry may come to be, given or not.
+    border's, which the arm keeps in the order in which they meet it. Both n and g are filled up; idle: rows
+    that do that, and have no entries; `full`: any entry may come to be, given or not.
     """
 
     def __init__(self, n: int, g: int, which: np.ndarray, r: np.ndarray, c: np.ndarray, idle: np.ndarray,
