@@ -91,3 +91,10 @@ def test_intervals_are_wilson_s():
     inside = [low <= 0.9 <= high for low, high in
               (diagnosis_table.wilson(k, 50) for k in np.random.default_rng(0).binomial(50, 0.9, 4000))]
     assert np.mean(inside) == pytest.approx(0.95, abs=0.025)
+
+
+@pytest.mark.parametrize("named, as_one", [("base_compliance", True), ("own_weight", False)])
+def test_a_name_for_what_was_struck_off_is_counted_apart_where_both_were_one_class(named, as_one):
+    row = {"effects": [named], "hidden": ["contact_angle"],
+           "whole": [["contact_angle", "base_compliance", "outside"], ["own_weight"]]}
+    assert diagnosis_table.reported_as_one(row) is as_one

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 import time
 
@@ -83,6 +84,14 @@ class TestFactorisers:
         values[system.pattern.diagonal[::100]] -= 1e4
         assert ours.factorise(values) is False
         assert ours.indefinite(values) == other.indefinite(values) > 10
+
+    def test_a_name_that_is_none_and_a_package_that_is_missing_are_told(self, monkeypatch):
+        pattern = slender(5, 2, 0, 0)
+        with pytest.raises(ValueError, match="no factoriser 'cholmod'; there are envelope, CHOLMOD"):
+            factoriser(pattern, Crew(1), "cholmod")
+        monkeypatch.setitem(sys.modules, "cvxopt", None)
+        with pytest.raises(ImportError, match=r"CHOLMOD is missing: pip install 'handgen\[cholmod\]'"):
+            factoriser(pattern, Crew(1), "CHOLMOD")
 
     def test_the_envelope_says_that_what_is_not_finite_is_not_positive_definite(self):
         pattern = slender(50, 5, 1, 0)

@@ -22,8 +22,9 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
     The first call ever compiles the kernels, which takes about half a minute; they are kept on disk.
 
     Raises:
-        ValueError: a law that the kernels do not know, or gravity across the plane of symmetry.
-        KeyError, ImportError: there is no such factoriser.
+        ValueError: a law that the kernels do not know, gravity across the plane of symmetry, or a factoriser
+            that there is not.
+        ImportError: the factoriser's package is missing.
     """
     say = progress or (lambda line: None)
     if case.gravity[1] != 0.0:

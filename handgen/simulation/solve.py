@@ -39,7 +39,7 @@ TURN = 0.3
 """rad that a bone may turn in one iteration: beyond, a straight step strains what only rotates."""
 NEGATIVES, UNSTABLE = 4, 2
 """Negative pivots of a tangent on the way to balance, at most: hundreds mean a bad predictor; and tangents
-that have some: what a third one leads to is no stable state."""
+that have some: a way that met a third one led to no stable state wherever it was looked at."""
 STEPS = Load(0.1, 0.004, 0.06, 0.05, 0.1)
 """First steps: share of own weight, MPa, N, shares of the silicone's stiffness and of the fit."""
 LONGEST = Load(0.5, 0.020, 0.20, 0.3, 0.5)

@@ -189,15 +189,22 @@ class Pardiso:
 
 
 FACTORISERS = {kind.name: kind for kind in (Envelope, Cholmod, Pardiso, SuperLU)}
+EXTRAS = {Cholmod.name: "cholmod", Pardiso.name: "pardiso"}
+"""What `pip install handgen[...]` brings those that need a package of their own with."""
 
 
 def factoriser(pattern: Pattern, crew: Crew, name: str = "") -> Envelope | Cholmod | Pardiso | SuperLU:
     """The envelope, whose work `crew` shares, or the one called `name`.
 
     Raises:
-        KeyError: there is none of this name.
+        ValueError: there is none of this name.
         ImportError: its package is missing.
     """
     if name in ("", Envelope.name):
         return Envelope(pattern, *along(pattern), crew)
-    return FACTORISERS[name](pattern)
+    if name not in FACTORISERS:
+        raise ValueError(f"there is no factoriser {name!r}; there are {', '.join(FACTORISERS)}")
+    try:
+        return FACTORISERS[name](pattern)
+    except ImportError as error:
+        raise ImportError(f"{name} is missing: pip install 'handgen[{EXTRAS[name]}]'") from error
