@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 from handgen.materials.law import law
-from handgen.simulation import solid
+from handgen.simulation import revolution, solid
 from handgen.simulation.runaway import Wall
 from tests.fingers import case
 
@@ -39,12 +39,13 @@ def limit_pressure(inner: float, outer: float) -> float:
     return -minimize_scalar(lambda a: -pressure(a), bounds=(inner, 4 * inner), options={"xatol": 1e-3}).fun
 
 
-def test_an_actuator_without_thread_balloons_at_the_tubes_limit_pressure():
+@pytest.mark.parametrize("simulate", [solid.simulate, revolution.simulate])
+def test_an_actuator_without_thread_balloons_at_the_tubes_limit_pressure(simulate):
     """At that of its section there, which its stronger neighbours help a little."""
     wound = case("actuator", orientation="weightless", pressures=[0, 100])
     bare = replace(wound, winding=None, silicone=replace(
         wound.silicone, law=law("neo_hookean", {"c10": MU / 2})))
-    curve = solid.simulate(bare)
+    curve = simulate(bare)
     assert not curve.states[-1].converged
     found = re.fullmatch(r"the actuator balloons beyond (.*) kPa at x = (\d+) mm: its wall stretches .* times"
                          " and more before it finds a stable state", curve.stopped)

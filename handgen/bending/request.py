@@ -116,6 +116,8 @@ def request(
         faults.say("--refine", refine, "the rod has no mesh", "leave it out")
     if composed is not None and solver in (REFERENCE, solvers.ROD) and not hinged and composed[1].extended:
         faults.say("--solver", solver, f"does not know {', '.join(composed[1].extended)}", "solid")
+    if composed is not None and solver == solvers.REVOLUTION and part == "actuator":
+        _round(composed[1], orientation, faults)
     if problems or faults or composed is None:
         raise InputError([*problems, *faults])
     composer, case, switched = composed
@@ -154,6 +156,15 @@ def _composed(loaded: Loaded, chosen: tuple[BendModel, str], finger: str, part: 
     if case is not None and part != opposition.PART:
         case = applied.case(case, Course(tuple(seen), path, tuple(times), repeats))
     return None if case is None else (composer, case, switched)
+
+
+def _round(case: Case, orientation: str, faults: Faults) -> None:
+    """Whether the actuator of `case` stays round about its axis."""
+    if case.extended:
+        faults.say("--solver", solvers.REVOLUTION, f"does not know {', '.join(case.extended)}", "solid")
+    if any(case.gravity):
+        faults.say("--orientation", orientation, "own weight takes an actuator off its axis, on which "
+                   f"the solver {solvers.REVOLUTION} keeps it", loads.WEIGHTLESS)
 
 
 def _acting(gravity: tuple[float, ...], model: BendModel, part: str) -> tuple[float, ...]:

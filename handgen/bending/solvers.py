@@ -20,10 +20,13 @@ GROUP = "handgen.solvers"
 """Entry points of this group are solvers: `simulate(case, progress=None) -> Curve`."""
 ROD = "rod"
 """The reduced model, which knows whole fingers only."""
+REVOLUTION = "revolution"
+"""The section, which knows free actuators only."""
 OWN = {
     "solid": "handgen.simulation.solid",
     "reference": "handgen.simulation.reference",
     ROD: "handgen.simulation.rod",
+    REVOLUTION: "handgen.simulation.revolution",
     opposition.SOLVER: "handgen.bending.opposition",
 }
 """Modules of handgen whose `simulate` is a solver; loaded when used. The first is the default."""
@@ -61,8 +64,8 @@ def names(part: str = "assembly") -> list[str]:
     """Solvers that bend `part`, handgen's own first."""
     if part == opposition.PART:
         return [opposition.SOLVER]
-    others = (opposition.SOLVER,) if part == "assembly" else (opposition.SOLVER, ROD)
-    return [name for name in OWN if name not in others] + sorted(registered())
+    only = {opposition.SOLVER: opposition.PART, ROD: "assembly", REVOLUTION: "actuator"}
+    return [name for name in OWN if only.get(name, part) == part] + sorted(registered())
 
 
 def solver(name: str) -> Solver:

@@ -70,14 +70,23 @@ def actuator_mesh(profile: ActuatorProfile, winding: Winding | None, held: float
     return rings.mesh()
 
 
-def graded(start: float, end: float, fine: int) -> np.ndarray:
-    """Stations from `start` to `end`, closer at both ends, with `fine` elements for each of the standard."""
+def graded(start: float, end: float, fine: int, first: float = END_EDGE) -> np.ndarray:
+    """Stations from `start` to `end`, closer at both ends, where edges are `first` mm; with `fine` elements
+    for each of the standard."""
     edges, half = [], (end - start) / 2
     while sum(edges) < half:
-        edges.append(min(EDGE, END_EDGE * GROWTH ** len(edges)))
+        edges.append(min(EDGE, first * GROWTH ** len(edges)))
     edges = np.array(edges) * half / sum(edges)
     ends = np.concatenate([[0.0], np.cumsum(edges), half + np.cumsum(edges[::-1])])
     return start + np.interp(np.arange(fine * (len(ends) - 1) + 1) / fine, np.arange(len(ends)), ends)
+
+
+def layers(profile: ActuatorProfile, winding: Winding | None, x: np.ndarray) -> np.ndarray:
+    """(stations, 3) radii, mm, of the chamber's wall, the thread's centre and the outside at `x`."""
+    inside = profile.small_core(x)
+    middle = profile.large_core(x) + (winding.depth if winding else 0.0)
+    inside = np.where(x > profile.small_core_end, np.minimum(inside, DISC * middle), inside)
+    return np.stack([inside, middle, profile.outer(x)], -1)
 
 
 class _Rings:
@@ -101,10 +110,7 @@ class _Rings:
 
     def radii(self, x: np.ndarray) -> np.ndarray:
         """(stations, layers + 1) drawn radii, mm."""
-        inside, outside = self.profile.small_core(x), self.profile.outer(x)
-        depth = self.winding.depth if self.winding else 0.0
-        middle = self.profile.large_core(x) + depth
-        inside = np.where(x > self.profile.small_core_end, np.minimum(inside, DISC * middle), inside)
+        inside, middle, outside = layers(self.profile, self.winding, x).T
         share_in = np.linspace(0.0, 1.0, self.inner + 1)
         share_out = np.linspace(0.0, 1.0, self.layers - self.inner + 1)[1:]
         within = inside[:, None] + (middle - inside)[:, None] * share_in

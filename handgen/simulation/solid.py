@@ -5,8 +5,13 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from handgen.simulation.case import Case, Curve, State
+
+if TYPE_CHECKING:
+    from handgen.simulation.revolution import Revolution
+    from handgen.simulation.system import System
 
 THREADS = "HANDGEN_THREADS"
 """Environment variable: threads that share the elements of one bend. Two by default, where there are two
@@ -26,17 +31,29 @@ def simulate(case: Case, progress: Callable[[str], None] | None = None) -> Curve
             that there is not.
         ImportError: the factoriser's package is missing.
     """
-    say = progress or (lambda line: None)
     if case.gravity[1] != 0.0:
         raise ValueError("half of the finger is modelled: gravity may not act across its plane of symmetry")
+
+    def drawn(threads: int):
+        from handgen.simulation.system import System
+
+        return System(case, threads)
+
+    return follow(case, drawn, progress)
+
+
+def follow(case: Case, drawn: Callable[[int], System | Revolution],
+           progress: Callable[[str], None] | None = None) -> Curve:
+    """Follow the equilibrium of the system that `drawn`(threads) makes of `case` through all its points."""
+    say = progress or (lambda line: None)
     if not _compiled():
         say("compiling the kernels, once (about half a minute)")
     from handgen.simulation import observe
+    from handgen.simulation.loads import Load
     from handgen.simulation.solve import Solver
-    from handgen.simulation.system import Load, System
 
     begun = time.perf_counter()
-    system = System(case, _threads())
+    system = drawn(_threads())
     solver = Solver(system, os.environ.get(FACTORISER, ""))
     weight, fit = (1.0 if on else 0.0 for on in (any(case.gravity), case.curl_strains or case.tight))
     targets = ([Load(weight, 0.0, t) for t in case.tip_loads] if case.part == "exoskeleton"
