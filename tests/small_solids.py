@@ -14,6 +14,7 @@ import numpy as np
 from handgen.materials.law import Law, law, ogden_law
 from handgen.simulation import cavity, element, shapes
 from handgen.simulation.block import kernel_law
+from handgen.simulation.lanes import KEPT, LANES, STRESSES
 from handgen.simulation.sparse import Pattern
 
 LAWS = {
@@ -81,9 +82,9 @@ class Body:
         dofs = np.arange(self.nodes.size).reshape(-1, 3)
         self.dofs = [dofs[self.cells].reshape(len(self.cells), -1), dofs[self.faces].reshape(-1, 12)]
         self.pattern = Pattern(self.dofs, self.nodes.size)
-        m, n, g = len(self.cells), len(self.nodes), self.weight.shape[1]
-        self.stress, self.pressure = np.zeros((m, g, 3, 3)), np.zeros((m, g))
-        self.kept = np.zeros((m, g, *element.KEPT))
+        m, n = len(self.cells), len(self.nodes)
+        self.stress, self.pressure = np.zeros((m, STRESSES)), np.zeros((m, LANES))
+        self.kept = np.zeros((m, KEPT))
         self.swell = np.zeros((m, 3 * self.cells.shape[1] + 1))
         self.free_of_bodies = np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(m, bool)
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from handgen.materials import tensors
-from handgen.simulation import principal, shapes
+from handgen.simulation import lanes, principal, shapes
 from handgen.simulation.block import kernel_law
 from tests.small_solids import LAWS, Body, crooked, slope_error
 
@@ -51,13 +51,20 @@ class TestLawsInTheKernel:
         """W, S and 2 dS/dC of W(J^-2/3 C), put together from principal axes; random and degenerate F."""
         form, constants = kernel_law(some_law)
         for f in gradients():
-            metric, det = f.T @ f, np.linalg.det(f)
-            x, axes = np.empty(3), np.empty((3, 3))
-            principal.principal(metric, x, axes)
+            metric, w = f.T @ f, lanes.room()
+
+            def rows(first, count, w=w):
+                return w[first:first + count * lanes.LANES].reshape(count, lanes.LANES)[:, 3]
+
+            rows(lanes.METRIC, 6)[:] = metric[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+            rows(lanes.VOLUME, 1)[:] = np.linalg.det(f)
+            principal.principal(w)
+            x, axes = rows(lanes.SQUARED, 3), rows(lanes.AXES, 9).reshape(3, 3)
             assert axes @ np.diag(x) @ axes.T == pytest.approx(metric, abs=1e-14 * x.max())
             assert axes.T @ axes == pytest.approx(np.eye(3), abs=1e-14)
-            s, q, d = np.empty(3), np.empty(3), np.empty((3, 3))
-            energy = principal.respond(form, constants, x, det, s, q, d, np.empty((5, 3)))
+            principal.respond(form, constants, w)
+            energy, s, q = rows(lanes.ENERGY, 1)[0], rows(lanes.STRESS, 3), rows(lanes.SHEAR, 3)
+            d = rows(lanes.MODULI, 6)[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
             moduli = np.einsum("ab,ia,ja,kb,lb->ijkl", d, axes, axes, axes, axes)
             for a, b in ((0, 1), (1, 2), (2, 0)):
                 shear = np.outer(axes[:, a], axes[:, b]) + np.outer(axes[:, b], axes[:, a])

@@ -13,6 +13,7 @@ import numpy as np
 
 from handgen.materials.law import Law
 from handgen.simulation import element, principal
+from handgen.simulation.lanes import KEPT, LANES, STRESSES
 
 POLYNOMIALS = {"neo_hookean": ("c10",), "mooney_rivlin": ("c10", "c01"), "yeoh": ("c10", "c20", "c30")}
 """Laws that the kernel's polynomial holds, with their constants in order."""
@@ -48,10 +49,10 @@ class Block:
     place: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 0), np.int32))
 
     def __post_init__(self):
-        self.stress = np.zeros((*self.weight.shape, 3, 3))
-        self.kept = np.zeros((*self.weight.shape, *element.KEPT))
-        self.swell = np.zeros((len(self.cells), 3 * self.cells.shape[1] + 1))
-        self.pressure = np.zeros(self.weight.shape)
+        count = len(self.cells)
+        self.stress, self.pressure = np.zeros((count, STRESSES)), np.zeros((count, LANES))
+        self.kept = np.zeros((count, KEPT))
+        self.swell = np.zeros((count, 3 * self.cells.shape[1] + 1))
 
     def softened(self, lost: float) -> np.ndarray:
         """The constants with a share of the law's stresses `lost`; of a row of powers only the mu."""

@@ -30,11 +30,30 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from handgen.simulation.principal import KERNEL, principal, respond
-
-KEPT = (12, 3)
-"""What is kept of a point: N (rows 0 to 2) and F N (3 to 5) in columns; S (6), x (7), Q of the pairs 01, 12
-and 20 (8), D (9 to 11)."""
+from handgen.simulation.lanes import (
+    ACTING,
+    AXES,
+    ENERGY,
+    GRADIENT,
+    HELD,
+    KEPT,
+    KERNEL,
+    LANES,
+    MOVED,
+    PRESSURE,
+    SQUARED,
+    STRESS,
+    STRESSES,
+    TANGENT,
+    TOTAL,
+    VOLUME,
+    L,
+    room,
+    thirds,
+    three,
+)
+from handgen.simulation.points import along_axes, hold, press, strain, tangent, to_axes
+from handgen.simulation.principal import respond
 
 
 @njit(**KERNEL)
@@ -51,81 +70,54 @@ def gradient_at(x, cell, dn, f):
 
 
 @njit(**KERNEL)
-def _to_axes(f, dn, metric, axes, moved, squared, turned):
-    """Principal axes of F, F N, squared stretches and `turned` (3, n): the gradients `dn` along the axes."""
-    for i in range(3):
-        for j in range(3):
-            metric[i, j] = f[0, i] * f[0, j] + f[1, i] * f[1, j] + f[2, i] * f[2, j]
-    principal(metric, squared, axes)
-    for i in range(3):
+def _gradients(x, cell, dn, f, w):
+    """Write F and J of an element's points; returns the least J, and stops where it is not positive."""
+    least = np.inf
+    for g in range(len(dn)):
+        w[VOLUME + g] = det = gradient_at(x, cell, dn[g], f)
+        least = min(least, det)
+        if det <= 0.0:
+            return least
+        for i in range(9):
+            w[GRADIENT + i * L + g] = f[i // 3, i % 3]
+    return least
+
+
+@njit(**KERNEL)
+def _turn(w, dn, turned):
+    """Write `turned` (g, 3, n): the gradients `dn` along the axes."""
+    for g in range(len(dn)):
         for a in range(3):
-            moved[i, a] = f[i, 0] * axes[0, a] + f[i, 1] * axes[1, a] + f[i, 2] * axes[2, a]
-    for a in range(3):
-        n0, n1, n2 = axes[0, a], axes[1, a], axes[2, a]
-        for n in range(dn.shape[1]):
-            turned[a, n] = n0 * dn[0, n] + n1 * dn[1, n] + n2 * dn[2, n]
+            n0, n1, n2 = thirds(w, AXES + a * L, g)
+            for n in range(dn.shape[2]):
+                turned[g, a, n] = n0 * dn[g, 0, n] + n1 * dn[g, 1, n] + n2 * dn[g, 2, n]
 
 
 @njit(**KERNEL)
-def _add_force(moved, stress, turned, w, fe):
-    """Add w F N stress G to `fe` (3, n); `stress` (3,) along the axes."""
-    for i in range(3):
-        s0, s1, s2 = w * moved[i, 0] * stress[0], w * moved[i, 1] * stress[1], w * moved[i, 2] * stress[2]
-        for n in range(turned.shape[1]):
-            fe[i, n] += s0 * turned[0, n] + s1 * turned[1, n] + s2 * turned[2, n]
+def _add_force(w, rows, turned, weight, fe):
+    """Add w F N stress G of all points to `fe` (3, n); the stress along the axes stands from `rows` on."""
+    for g in range(len(turned)):
+        t0, t1, t2 = three(w, rows, g)
+        for i in range(3):
+            m0, m1, m2 = three(w, MOVED + 3 * i * L, g)
+            s0, s1, s2 = weight[g] * m0 * t0, weight[g] * m1 * t1, weight[g] * m2 * t2
+            for n in range(turned.shape[2]):
+                fe[i, n] += s0 * turned[g, 0, n] + s1 * turned[g, 1, n] + s2 * turned[g, 2, n]
 
 
 @njit(**KERNEL)
-def _moduli(moved, x, shear, moduli, held, pressed, stiff, a):
-    """Write A (9, 9), rows 3 i + a, where i is no less than k: `held` (3, 3) is T; pressed: p J; stiff: p J +
-    K J^2 where p follows J."""
-    i0, i1, i2 = 1 / x[0], 1 / x[1], 1 / x[2]
-    q01, q12, q20 = shear[0] - pressed * i0 * i1, shear[1] - pressed * i1 * i2, shear[2] - pressed * i2 * i0
-    d01, d12 = moduli[0, 1] + stiff * i0 * i1, moduli[1, 2] + stiff * i1 * i2
-    d20, own = moduli[2, 0] + stiff * i2 * i0, stiff - 2 * pressed
-    d00, d11, d22 = moduli[0, 0] + own * i0 * i0, moduli[1, 1] + own * i1 * i1, moduli[2, 2] + own * i2 * i2
-    for i in range(3):
-        m0, m1, m2 = moved[i, 0], moved[i, 1], moved[i, 2]
-        for k in range(i + 1):
-            n0, n1, n2 = moved[k, 0], moved[k, 1], moved[k, 2]
-            r, c = 3 * i, 3 * k
-            a[r, c] = d00 * m0 * n0 + q01 * m1 * n1 + q20 * m2 * n2
-            a[r + 1, c + 1] = q01 * m0 * n0 + d11 * m1 * n1 + q12 * m2 * n2
-            a[r + 2, c + 2] = q20 * m0 * n0 + q12 * m1 * n1 + d22 * m2 * n2
-            a[r, c + 1], a[r + 1, c] = d01 * m0 * n1 + q01 * m1 * n0, d01 * m1 * n0 + q01 * m0 * n1
-            a[r + 1, c + 2], a[r + 2, c + 1] = d12 * m1 * n2 + q12 * m2 * n1, d12 * m2 * n1 + q12 * m1 * n2
-            a[r + 2, c], a[r, c + 2] = d20 * m2 * n0 + q20 * m0 * n2, d20 * m0 * n2 + q20 * m2 * n0
-        for n in range(3):
-            for o in range(3):
-                a[3 * i + n, 3 * i + o] += held[n, o]
-
-
-@njit(**KERNEL)
-def _hold(k, stress, pressed, exact, held):
-    """Write T along the axes: that of `stress`, or of the state itself if `exact`, and `pressed`, p J."""
-    if exact:
-        held[:] = 0.0
-        for n in range(3):
-            held[n, n] = k[6, n]
-    else:
-        for a in range(3):
-            t0 = k[0, a] * stress[0, 0] + k[1, a] * stress[1, 0] + k[2, a] * stress[2, 0]
-            t1 = k[0, a] * stress[0, 1] + k[1, a] * stress[1, 1] + k[2, a] * stress[2, 1]
-            t2 = k[0, a] * stress[0, 2] + k[1, a] * stress[1, 2] + k[2, a] * stress[2, 2]
-            for b in range(3):
-                held[a, b] = t0 * k[0, b] + t1 * k[1, b] + t2 * k[2, b]
-    for n in range(3):
-        held[n, n] += pressed / k[7, n]
-
-
-@njit(**KERNEL)
-def _add_turning(k, held, turned, w, turning):
-    """Add w F T G to `turning` (3, n)."""
-    for i in range(3):
-        for b in range(3):
-            factor = w * (k[3 + i, 0] * held[0, b] + k[3 + i, 1] * held[1, b] + k[3 + i, 2] * held[2, b])
-            for n in range(turned.shape[1]):
-                turning[i, n] += factor * turned[b, n]
+def _add_turning(w, turned, weight, turning):
+    """Add w F T G of all points to `turning` (3, n)."""
+    for g in range(len(turned)):
+        t00, t11, t22 = three(w, HELD, g)
+        t01, t12, t20 = three(w, HELD + 3 * L, g)
+        for i in range(3):
+            m0, m1, m2 = three(w, MOVED + 3 * i * L, g)
+            f0 = weight[g] * (m0 * t00 + m1 * t01 + m2 * t20)
+            f1 = weight[g] * (m0 * t01 + m1 * t11 + m2 * t12)
+            f2 = weight[g] * (m0 * t20 + m1 * t12 + m2 * t22)
+            for n in range(turned.shape[2]):
+                turning[i, n] += f0 * turned[g, 0, n] + f1 * turned[g, 1, n] + f2 * turned[g, 2, n]
 
 
 @njit(**KERNEL)
@@ -133,17 +125,17 @@ def _add_stiffness(a, turned, weight, across, kc):
     """Add w G . A . G of all points to `kc` (3 n, 3 n), whose rows go by component, then by node: those
     blocks of it whose row's component is no less than the column's.
 
-    a (g, 9, 9), turned (3 g, n), weight (g,); across (3 g, 3 n): room to work in. So ordered, every innermost
-    loop runs over neighbouring nodes' numbers, which the compiler turns into vector instructions.
+    a (9, 9, LANES), turned (3 g, n), weight (g,); across (3 g, 3 n): room to work in. So ordered, every
+    innermost loop runs over neighbouring nodes' numbers, which the compiler turns into vector instructions.
     """
-    points, nodes = len(a), turned.shape[1]
+    points, nodes = len(weight), turned.shape[1]
     for i in range(3):
         for g in range(points):
             w, first = weight[g], 3 * g
             for j in range(3):
                 for k in range(i + 1):
                     row = 3 * i + j
-                    a0, a1, a2 = w * a[g, row, 3 * k], w * a[g, row, 3 * k + 1], w * a[g, row, 3 * k + 2]
+                    a0, a1, a2 = w * a[row, 3 * k, g], w * a[row, 3 * k + 1, g], w * a[row, 3 * k + 2, g]
                     for n in range(nodes):
                         across[first + j, k * nodes + n] = (
                             a0 * turned[first, n] + a1 * turned[first + 1, n] + a2 * turned[first + 2, n])
@@ -163,56 +155,54 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
              dofs, place, frames, curves, framed, force, matrix):
     """Add internal forces and tangent of all elements; returns (energy, least J).
 
-    x (N, 3) nodes, mm; dn (m, g, 3, n) gradients and weight (m, g) volumes of the points; `mean`: Q1P0;
-    stress (m, g, 3, 3), isochoric, and pressure (m, g), of Q1P0 the first of a row: the extrapolated ones,
-    not used where `exact`. Writes what `extrapolate` goes on from: kept (m, g, 12, 3) of every point, and of
-    Q1P0 swell (m, 3 n + 1), the derivative of the volume with respect to the nodes, by component, and V.
+    x (N, 3) nodes, mm; dn (m, g, 3, n) gradients and weight (m, g) volumes of up to LANES points; `mean`:
+    Q1P0; stress (m, STRESSES), isochoric, and pressure (m, LANES), of Q1P0 the first of a row: the
+    extrapolated ones, not used where `exact`. Writes what `extrapolate` goes on from: kept (m, KEPT) of the
+    points, and of Q1P0 swell (m, 3 n + 1), the derivative of the volume with respect to the nodes, by
+    component, and V.
     Nodes that belong to a rigid body: frames (N, 3, 3) their slopes with respect to its three unknowns,
     curves (N, 3) the second derivative with respect to its rotation; `framed` (m,): has such nodes.
     dofs (m, 3 n) unknowns, -1 for none; place (m, 3 n, 3 n) where in `matrix` an entry goes, -1 nowhere.
     A J <= 0 anywhere: nothing more is added, its value is returned.
     """
     count, points, _, nodes = dn.shape
-    f, metric, room, held = np.empty((3, 3)), np.empty((3, 3)), np.empty((5, 3)), np.zeros((3, 3))
-    turned, dets, a = np.empty((points, 3, nodes)), np.empty(points), np.zeros((points, 9, 9))
-    fe, turning, along = np.empty((3, nodes)), np.empty((3, nodes)), np.empty(3)
-    across = np.empty((3 * points, 3 * nodes))
+    w, f, turned = room(), np.empty((3, 3)), np.empty((points, 3, nodes))
+    fe, turning, across = np.empty((3, nodes)), np.empty((3, nodes)), np.empty((3 * points, 3 * nodes))
     kc, ke = np.empty((3 * nodes, 3 * nodes)), np.empty((3 * nodes, 3 * nodes))
+    moduli = w[TANGENT:].reshape(9, 9, LANES)
     energy, least = 0.0, np.inf
     for e in range(count):
-        for g in range(points):
-            k = kept[e, g]
-            dets[g] = det = gradient_at(x, cells[e], dn[e, g], f)
-            if det <= 0.0:
-                return np.inf, det
-            least = min(least, det)
-            _to_axes(f, dn[e, g], metric, k[0:3], k[3:6], k[7], turned[g])
-            energy += weight[e, g] * respond(form, constants, k[7], det, k[6], k[8], k[9:12], room)
+        least = min(least, _gradients(x, cells[e], dn[e], f, w))
+        if least <= 0.0:
+            return np.inf, least
+        to_axes(w)
+        respond(form, constants, w)
+        kept[e] = w[:KEPT]
+        _turn(w, dn[e], turned)
         fe[:] = 0.0
         kc[:] = 0.0
         turning[:] = 0.0
-        level = 0.0
-        if mean:
-            more, level = _add_volume(kept[e], weight[e], dets, turned, bulk, along, swell[e], fe, kc)
-            energy += more
         for g in range(points):
-            k, w, det = kept[e, g], weight[e, g], dets[g]
-            stiff = 0.0
-            for n in range(3):
-                along[n] = k[6, n]
-            if not mean:
-                energy += w * 0.5 * bulk * (det - 1.0) ** 2
-                level = bulk * (det - 1.0)
-                stiff = bulk * det * det
-                for n in range(3):
-                    along[n] += level * det / k[7, n]
-            _add_force(k[3:6], along, turned[g], w, fe)
-            acting = level if exact else pressure[e, 0 if mean else g]
-            _hold(k, stress[e, g], acting * det, exact, held)
-            if framed[e]:
-                _add_turning(k, held, turned[g], w, turning)
-            _moduli(k[3:6], k[7], k[8], k[9:12], held, acting * det, acting * det + stiff, a[g])
-        _add_stiffness(a, turned.reshape(3 * points, nodes), weight[e], across, kc)
+            energy += weight[e, g] * w[ENERGY + g]
+        if mean:
+            more, level = _add_volume(w, weight[e], turned, bulk, swell[e], fe, kc)
+            energy += more
+            _add_force(w, STRESS, turned, weight[e], fe)
+            w[PRESSURE:PRESSURE + L] = level if exact else pressure[e, 0]
+        else:
+            for g in range(points):
+                energy += weight[e, g] * 0.5 * bulk * (w[VOLUME + g] - 1.0) ** 2
+            press(w, bulk)
+            _add_force(w, TOTAL, turned, weight[e], fe)
+            for g in range(L):
+                w[PRESSURE + g] = bulk * (w[VOLUME + g] - 1.0) if exact else pressure[e, g]
+        if not exact:
+            w[ACTING:ACTING + STRESSES] = stress[e]
+        hold(w, exact)
+        if framed[e]:
+            _add_turning(w, turned, weight[e], turning)
+        tangent(w, 0.0 if mean else bulk)
+        _add_stiffness(moduli, turned.reshape(3 * points, nodes), weight[e], across, kc)
         _by_nodes(kc, ke)
         if framed[e]:
             to_bodies(cells[e], frames, curves, turning, fe, ke)
@@ -221,22 +211,23 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
 
 
 @njit(**KERNEL)
-def _add_volume(kept, weight, dets, turned, bulk, along, swell, fe, kc):
+def _add_volume(w, weight, turned, bulk, swell, fe, kc):
     """Add force and stiffness of Q1P0's volumetric energy but for what its pressure adds to the moduli.
 
     Writes `swell`; returns (energy, pressure).
     """
-    points, _, nodes = turned.shape
+    nodes = turned.shape[2]
     flat = swell[:-1]
     swollen = flat.reshape(3, nodes)
     swollen[:] = 0.0
+    for a in range(3):
+        for g in range(L):
+            w[TOTAL + a * L + g] = w[VOLUME + g] / w[SQUARED + a * L + g]
+    _add_force(w, TOTAL, turned, weight, swollen)
     volume, v0 = 0.0, 0.0
-    for g in range(points):
+    for g in range(len(weight)):
         v0 += weight[g]
-        volume += weight[g] * dets[g]
-        for n in range(3):
-            along[n] = dets[g] / kept[g, 7, n]
-        _add_force(kept[g, 3:6], along, turned[g], weight[g], swollen)
+        volume += weight[g] * w[VOLUME + g]
     swell[-1] = volume
     level = bulk * (volume / v0 - 1.0)
     for i in range(3):
@@ -266,20 +257,19 @@ def to_bodies(cell, frames, curves, turning, fe, ke):
     `turning` (3, n): the forces that the bones' rotation turns, of the stresses of the geometric part.
     """
     nodes = len(cell)
-    block, turned = np.empty((3, 3)), np.empty(3)
+    turned = np.empty(3)
     for n in range(nodes):
-        for m in range(nodes):
-            t, u = frames[cell[n]], frames[cell[m]]
+        t = frames[cell[n]]
+        for m in range(3 * nodes):
+            a, b, c = ke[3 * n, m], ke[3 * n + 1, m], ke[3 * n + 2, m]
             for i in range(3):
-                for j in range(3):
-                    total = 0.0
-                    for k in range(3):
-                        for o in range(3):
-                            total += t[k, i] * ke[3 * n + k, 3 * m + o] * u[o, j]
-                    block[i, j] = total
+                ke[3 * n + i, m] = t[0, i] * a + t[1, i] * b + t[2, i] * c
+    for m in range(nodes):
+        t = frames[cell[m]]
+        for n in range(3 * nodes):
+            a, b, c = ke[n, 3 * m], ke[n, 3 * m + 1], ke[n, 3 * m + 2]
             for i in range(3):
-                for j in range(3):
-                    ke[3 * n + i, 3 * m + j] = block[i, j]
+                ke[n, 3 * m + i] = a * t[0, i] + b * t[1, i] + c * t[2, i]
     for n in range(nodes):
         curve, t = curves[cell[n]], frames[cell[n]]
         ke[3 * n + 2, 3 * n + 2] += (turning[0, n] * curve[0] + turning[1, n] * curve[1]
@@ -308,41 +298,24 @@ def scatter(dofs, place, fe, ke, force, matrix):
 def extrapolate(step, cells, dn, weight, bulk, mean, kept, swell, stress, pressure):
     """Write stress and pressure after the nodes' `step` (N, 3), to first order, from where `assemble` was
     last, which `kept` and `swell` hold."""
-    count, points, _, nodes = dn.shape
-    df, rate, strain, moved = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    for e in range(count):
-        cell = cells[e]
-        if mean:
-            volume = swell[e, -1]
-            for i in range(3):
-                for n in range(nodes):
-                    volume += swell[e, i * nodes + n] * step[cell[n], i]
-            pressure[e, 0] = bulk * (volume / weight[e].sum() - 1.0)
-        for g in range(points):
-            k = kept[e, g]
-            axes, s, x, q, d = k[0:3], k[6], k[7], k[8], k[9:12]
-            gradient_at(step, cell, dn[e, g], df)
-            # E = sym(F^T dF) along the axes.
-            for i in range(3):
-                for a in range(3):
-                    moved[i, a] = df[i, 0] * axes[0, a] + df[i, 1] * axes[1, a] + df[i, 2] * axes[2, a]
-            for a in range(3):
-                for b in range(3):
-                    rate[a, b] = k[3, a] * moved[0, b] + k[4, a] * moved[1, b] + k[5, a] * moved[2, b]
-            for a in range(3):
-                b = (a + 1) % 3
-                strain[a, a] = s[a] + d[a, 0] * rate[0, 0] + d[a, 1] * rate[1, 1] + d[a, 2] * rate[2, 2]
-                strain[a, b] = strain[b, a] = q[a] * (rate[a, b] + rate[b, a])
-            if not mean:
-                det = np.sqrt(x[0] * x[1] * x[2])
-                grown = rate[0, 0] / x[0] + rate[1, 1] / x[1] + rate[2, 2] / x[2]
-                pressure[e, g] = bulk * (det * (1.0 + grown) - 1.0)
-            for i in range(3):
-                t0 = axes[i, 0] * strain[0, 0] + axes[i, 1] * strain[1, 0] + axes[i, 2] * strain[2, 0]
-                t1 = axes[i, 0] * strain[0, 1] + axes[i, 1] * strain[1, 1] + axes[i, 2] * strain[2, 1]
-                t2 = axes[i, 0] * strain[0, 2] + axes[i, 1] * strain[1, 2] + axes[i, 2] * strain[2, 2]
-                for j in range(3):
-                    stress[e, g, i, j] = t0 * axes[j, 0] + t1 * axes[j, 1] + t2 * axes[j, 2]
+    nodes, w, df = dn.shape[3], room(), np.empty((3, 3))
+    for e in range(len(cells)):
+        w[:KEPT] = kept[e]
+        for g in range(dn.shape[1]):
+            gradient_at(step, cells[e], dn[e, g], df)
+            for i in range(9):
+                w[GRADIENT + i * L + g] = df[i // 3, i % 3]
+        along_axes(w, TANGENT)
+        strain(w, bulk)
+        stress[e] = w[ACTING:ACTING + STRESSES]
+        if not mean:
+            pressure[e] = w[PRESSURE:PRESSURE + L]
+            continue
+        volume = swell[e, -1]
+        for i in range(3):
+            for n in range(nodes):
+                volume += swell[e, i * nodes + n] * step[cells[e, n], i]
+        pressure[e, 0] = bulk * (volume / weight[e].sum() - 1.0)
 
 
 @njit(**KERNEL)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
-from handgen.simulation.principal import KERNEL
+from handgen.simulation.lanes import KERNEL
 
 if TYPE_CHECKING:
     from handgen.simulation.block import Crew

@@ -8,7 +8,9 @@ derivative have the axes of C:
     D_ab = 2 dS_a/dx_b,  Q_ab = (S_a - S_b) / (x_a - x_b)
 
 (R. W. Ogden, Non-linear elastic deformations, 1984, section 6.1.4). A law is a function of y; it gives its
-slopes y dW/dy and their derivatives, and needs no tensor.
+slopes y dW/dy and their derivatives with respect to log y, and needs no tensor.
+
+All points of an element are worked out side by side (`handgen.simulation.lanes`).
 """
 
 from __future__ import annotations
@@ -16,9 +18,24 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-KERNEL = {"cache": True, "fastmath": {"contract"}, "error_model": "numpy"}
-"""How the kernels are compiled: products and sums in one instruction, nothing else taken for granted; a
-division by zero gives what IEEE says, where Python's check before every division would cost a third."""
+from handgen.simulation.lanes import (
+    AXES,
+    CURVE,
+    ENERGY,
+    KERNEL,
+    METRIC,
+    MODULI,
+    SHEAR,
+    SLOPE,
+    SQUARED,
+    STRESS,
+    VOLUME,
+    L,
+    put,
+    thirds,
+    three,
+)
+
 SWEEPS = 12
 """Of Jacobi's rotations at most; four do for what is nearly diagonal."""
 ROUNDED = 1e-32
@@ -33,108 +50,133 @@ NEAR = 1e-6
 def _rotation(p, q, across):
     """(change of p and q, cosine, sine) of Jacobi's rotation that takes `across` out of two axes."""
     apart = q - p
-    t = (2 * across if apart >= 0.0 else -2 * across) / (
-        abs(apart) + np.sqrt(apart * apart + 4 * across * across) + 1e-300)
+    t = 2 * across / (abs(apart) + np.sqrt(apart * apart + 4 * across * across) + 1e-300)
+    t = t if apart >= 0.0 else -t
     cos = 1.0 / np.sqrt(t * t + 1.0)
     return t * across, cos, t * cos
 
 
 @njit(**KERNEL)
-def _turn(axes, i, j, cos, sin):
-    for m in range(3):
-        u, v = axes[m, i], axes[m, j]
-        axes[m, i], axes[m, j] = cos * u - sin * v, sin * u + cos * v
+def _beside(w):
+    """How many of the matrices are not diagonal yet."""
+    count = 0
+    for g in range(L):
+        p, q, r = three(w, SQUARED, g)
+        pq, pr, qr = three(w, METRIC + 3 * L, g)
+        count += pq * pq + pr * pr + qr * qr > ROUNDED * (p * p + q * q + r * r)
+    return count
 
 
 @njit(**KERNEL)
-def principal(c, x, axes):
-    """Eigenvalues `x` (3,) and eigenvectors (columns of `axes`) of the symmetric `c` (3, 3).
+def principal(w):
+    """Squared stretches and principal axes of the metrics, whose rows beside the diagonal are used up.
 
-    Jacobi's rotations: as exact where eigenvalues meet as elsewhere, which closed forms are not, and for so
-    small a matrix several times faster than LAPACK's call.
+    Jacobi's rotations: as exact where eigenvalues meet as elsewhere, which closed forms are not.
     """
-    p, q, r = c[0, 0], c[1, 1], c[2, 2]
-    pq, pr, qr = c[0, 1], c[0, 2], c[1, 2]
-    axes[:] = 0.0
-    axes[0, 0] = axes[1, 1] = axes[2, 2] = 1.0
-    small = ROUNDED * (p * p + q * q + r * r)
+    for g in range(L):
+        for i in range(3):
+            w[SQUARED + i * L + g] = w[METRIC + i * L + g]
+        for i in range(9):
+            w[AXES + i * L + g] = 0.0 if i % 4 else 1.0
     for _ in range(SWEEPS):
-        if pq * pq + pr * pr + qr * qr <= small:
+        if not _beside(w):
             break
-        more, cos, sin = _rotation(p, q, pq)
-        p, q, pq, pr, qr = p - more, q + more, 0.0, cos * pr - sin * qr, sin * pr + cos * qr
-        _turn(axes, 0, 1, cos, sin)
-        more, cos, sin = _rotation(p, r, pr)
-        p, r, pr, pq, qr = p - more, r + more, 0.0, cos * pq - sin * qr, sin * pq + cos * qr
-        _turn(axes, 0, 2, cos, sin)
-        more, cos, sin = _rotation(q, r, qr)
-        q, r, qr, pq, pr = q - more, r + more, 0.0, cos * pq - sin * pr, sin * pq + cos * pr
-        _turn(axes, 1, 2, cos, sin)
-    x[0], x[1], x[2] = p, q, r
+        for g in range(L):
+            p, q, r = three(w, SQUARED, g)
+            pq, pr, qr = three(w, METRIC + 3 * L, g)
+            a0, a1, a2 = thirds(w, AXES, g)
+            b0, b1, b2 = thirds(w, AXES + L, g)
+            c0, c1, c2 = thirds(w, AXES + 2 * L, g)
+            more, cos, sin = _rotation(p, q, pq)
+            p, q, pr, qr = p - more, q + more, cos * pr - sin * qr, sin * pr + cos * qr
+            a0, b0 = cos * a0 - sin * b0, sin * a0 + cos * b0
+            a1, b1 = cos * a1 - sin * b1, sin * a1 + cos * b1
+            a2, b2 = cos * a2 - sin * b2, sin * a2 + cos * b2
+            more, cos, sin = _rotation(p, r, pr)
+            p, r, pq, qr = p - more, r + more, -sin * qr, cos * qr
+            a0, c0 = cos * a0 - sin * c0, sin * a0 + cos * c0
+            a1, c1 = cos * a1 - sin * c1, sin * a1 + cos * c1
+            a2, c2 = cos * a2 - sin * c2, sin * a2 + cos * c2
+            more, cos, sin = _rotation(q, r, qr)
+            q, r, pq, pr = q - more, r + more, cos * pq, sin * pq
+            b0, c0 = cos * b0 - sin * c0, sin * b0 + cos * c0
+            b1, c1 = cos * b1 - sin * c1, sin * b1 + cos * c1
+            b2, c2 = cos * b2 - sin * c2, sin * b2 + cos * c2
+            put(w, SQUARED, g, p, q, r)
+            put(w, METRIC + 3 * L, g, pq, pr, 0.0)
+            put(w, AXES, g, a0, b0, c0)
+            put(w, AXES + 3 * L, g, a1, b1, c1)
+            put(w, AXES + 6 * L, g, a2, b2, c2)
 
 
 @njit(**KERNEL)
-def _polynomial(c, y, slope, curve):
-    """W with constants `c`; writes y_a dW/dy_a and the derivatives of that with respect to log y_b."""
+def _polynomial(c, w):
+    """W with constants `c`, and its slopes; y_a stand where S_a go."""
     c10, c20, c30, c01 = c[0], c[1], c[2], c[3]
-    i1 = y[0] + y[1] + y[2]
-    k = i1 - 3.0
-    w1, w11 = c10 + k * (2 * c20 + 3 * c30 * k), 2 * c20 + 6 * c30 * k
-    for a in range(3):
-        slope[a] = y[a] * (w1 + c01 * (i1 - y[a]))
-        for b in range(3):
-            curve[a, b] = y[a] * y[b] * (w11 + c01)
-        curve[a, a] = slope[a] + y[a] * y[a] * w11
-    i2 = y[0] * y[1] + y[1] * y[2] + y[2] * y[0]
-    return k * (c10 + k * (c20 + k * c30)) + c01 * (i2 - 3.0)
+    for g in range(L):
+        y0, y1, y2 = three(w, STRESS, g)
+        i1, i2 = y0 + y1 + y2, y0 * y1 + y1 * y2 + y2 * y0
+        k = i1 - 3.0
+        w1, w11 = c10 + k * (2 * c20 + 3 * c30 * k), 2 * c20 + 6 * c30 * k
+        s0, s1, s2 = y0 * (w1 + c01 * (i1 - y0)), y1 * (w1 + c01 * (i1 - y1)), y2 * (w1 + c01 * (i1 - y2))
+        w[ENERGY + g] = k * (c10 + k * (c20 + k * c30)) + c01 * (i2 - 3.0)
+        put(w, SLOPE, g, s0, s1, s2)
+        put(w, CURVE, g, s0 + y0 * y0 * w11, s1 + y1 * y1 * w11, s2 + y2 * y2 * w11)
+        put(w, CURVE + 3 * L, g, y0 * y1 * (w11 + c01), y1 * y2 * (w11 + c01), y2 * y0 * (w11 + c01))
 
 
 @njit(**KERNEL)
-def _ogden(c, y, slope, curve):
+def _ogden(c, w):
     """The same for sum of mu_k / alpha_k (l1^alpha_k + ...), c = mu_1, alpha_1, mu_2, alpha_2, ..."""
-    energy = 0.0
-    slope[:] = 0.0
-    curve[:] = 0.0
+    w[ENERGY:ENERGY + L] = 0.0
+    w[SLOPE:SLOPE + 3 * L] = 0.0
+    w[CURVE:CURVE + 6 * L] = 0.0
     for k in range(len(c) // 2):
         mu, alpha = c[2 * k], c[2 * k + 1]
         for a in range(3):
-            power = y[a] ** (alpha / 2)
-            energy += mu / alpha * (power - 1.0)
-            slope[a] += mu / 2 * power
-            curve[a, a] += mu * alpha / 4 * power
-    return energy
+            for g in range(L):
+                power = w[STRESS + a * L + g] ** (alpha / 2)
+                w[ENERGY + g] += mu / alpha * (power - 1.0)
+                w[SLOPE + a * L + g] += mu / 2 * power
+                w[CURVE + a * L + g] += mu * alpha / 4 * power
 
 
 @njit(**KERNEL)
-def respond(form, constants, x, det, s, q, d, room):
-    """W of squared stretches `x` and J `det`; writes S (3,), Q of the pairs 01, 12, 20 (3,) and D (3, 3).
+def _shear(x, y, s, t, own, other, between):
+    """Q of two axes of squared stretches x and y, with S and D."""
+    apart = x - y
+    return (s - t) / apart if abs(apart) > NEAR * (x + y) else (own + other) / 4 - between / 2
 
-    room (5, 3): to work in.
-    """
-    y, slope, curve = room[0], room[1], room[2:]
-    scale = det ** (-2.0 / 3.0)
-    for a in range(3):
-        y[a] = scale * x[a]
+
+@njit(**KERNEL)
+def respond(form, constants, w):
+    """W, S, Q and D from squared stretches and J."""
+    for g in range(L):
+        scale = w[VOLUME + g] ** (-2.0 / 3.0)
+        for a in range(3):
+            w[STRESS + a * L + g] = scale * w[SQUARED + a * L + g]
     if form == POLYNOMIAL:
-        energy = _polynomial(constants, y, slope, curve)
+        _polynomial(constants, w)
     else:
-        energy = _ogden(constants, y, slope, curve)
-    # d log y_b / d log x_c = 1 (b = c) - 1/3: what is isochoric has no mean.
-    mean, whole = (slope[0] + slope[1] + slope[2]) / 3, 0.0
-    for a in range(3):
-        y[a] = (curve[a, 0] + curve[a, 1] + curve[a, 2]) / 3
-        whole += y[a] / 3
-    for a in range(3):
-        over = 2 / x[a]
-        s[a] = over * (slope[a] - mean)
-        for b in range(a):
-            d[a, b] = d[b, a] = over * (curve[a, b] - y[a] - y[b] + whole) * (2 / x[b])
-        d[a, a] = over * (over * (curve[a, a] - 2 * y[a] + whole) - s[a])
-    for a in range(3):
-        b = (a + 1) % 3
-        apart = x[a] - x[b]
-        if abs(apart) > NEAR * (x[a] + x[b]):
-            q[a] = (s[a] - s[b]) / apart
-        else:
-            q[a] = (d[a, a] + d[b, b]) / 4 - d[a, b] / 2
-    return energy
+        _ogden(constants, w)
+    for g in range(L):
+        s0, s1, s2 = three(w, SLOPE, g)
+        c00, c11, c22 = three(w, CURVE, g)
+        c01, c12, c20 = three(w, CURVE + 3 * L, g)
+        x0, x1, x2 = three(w, SQUARED, g)
+        # d log y_b / d log x_c = 1 (b = c) - 1/3: what is isochoric has no mean.
+        mean = (s0 + s1 + s2) / 3
+        m0, m1, m2 = (c00 + c01 + c20) / 3, (c01 + c11 + c12) / 3, (c20 + c12 + c22) / 3
+        whole = (m0 + m1 + m2) / 3
+        o0, o1, o2 = 2 / x0, 2 / x1, 2 / x2
+        s0, s1, s2 = o0 * (s0 - mean), o1 * (s1 - mean), o2 * (s2 - mean)
+        d00 = o0 * (o0 * (c00 - 2 * m0 + whole) - s0)
+        d11 = o1 * (o1 * (c11 - 2 * m1 + whole) - s1)
+        d22 = o2 * (o2 * (c22 - 2 * m2 + whole) - s2)
+        d01, d12 = o0 * o1 * (c01 - m0 - m1 + whole), o1 * o2 * (c12 - m1 - m2 + whole)
+        d20 = o2 * o0 * (c20 - m2 - m0 + whole)
+        put(w, STRESS, g, s0, s1, s2)
+        put(w, MODULI, g, d00, d11, d22)
+        put(w, MODULI + 3 * L, g, d01, d12, d20)
+        put(w, SHEAR, g, _shear(x0, x1, s0, s1, d00, d11, d01), _shear(x1, x2, s1, s2, d11, d22, d12),
+            _shear(x2, x0, s2, s0, d22, d00, d20))

@@ -208,8 +208,10 @@ class Solver:
         return None
 
     def _newton(self, q: np.ndarray, load: Load, drag: np.ndarray | None = None,
-                centre: np.ndarray | None = None) -> tuple[np.ndarray, float, int, np.ndarray] | None:
+                centre: np.ndarray | None = None, assembled: tuple | None = None,
+                ) -> tuple[np.ndarray, float, int, np.ndarray] | None:
         """(q in balance, residual, iterations, tangent) from `q`, or None; `drag` (n,) N/mm to `centre`.
+        `assembled`: what the system gave at `q` just now, which is used up.
 
         In balance the extrapolated stresses are the state's own to first order in what is left of the
         residual, so the last tangent serves the test of stability and the next predictor.
@@ -218,7 +220,8 @@ class Solver:
         earlier = last = np.inf
         fresh, unstable = False, 0
         for iteration in range(MOST_ITERATIONS + 1):
-            _, force, values, least = s.assemble(q, load, exact=False)
+            _, force, values, least = assembled or s.assemble(q, load, exact=False)
+            assembled = None
             self.cost.assemblies += 1
             if least <= 0.0 or not np.isfinite(force).all():
                 return None
@@ -260,10 +263,10 @@ class Solver:
         centre, strength, weak, calm = q, DRAG, 0.0, CALM
         self._unstable = False
         for _ in range(RELAXATIONS):
-            _, _, values, _ = s.assemble(centre, load, exact=True)
-            self._unstable = self._unstable or not self._factorise(values)
+            assembled = s.assemble(centre, load, exact=True)
+            self._unstable = self._unstable or not self._factorise(assembled[2])
             s.extrapolate(centre, np.zeros_like(centre))
-            found = self._newton(centre, load, strength * s.inertia, centre)
+            found = self._newton(centre, load, strength * s.inertia, centre, assembled)
             if found is None:
                 weak, strength = strength, 3.0 * strength
                 if strength > 1e6 * DRAG:
