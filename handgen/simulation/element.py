@@ -155,10 +155,10 @@ def assemble(x, cells, dn, weight, form, constants, bulk, mean, stress, pressure
              dofs, place, frames, curves, framed, force, matrix):
     """Add internal forces and tangent of all elements; returns (energy, least J).
 
-    x (N, 3) nodes, mm; dn (m, g, 3, n) gradients and weight (m, g) volumes of up to LANES points; `mean`:
-    Q1P0; stress (m, STRESSES), isochoric, and pressure (m, LANES), of Q1P0 the first of a row: the
-    extrapolated ones, not used where `exact`. Writes what `extrapolate` goes on from: kept (m, KEPT) of the
-    points, and of Q1P0 swell (m, 3 n + 1), the derivative of the volume with respect to the nodes, by
+    x (N, 3) nodes, mm; dn (m, g, 3, n) gradients and weight (m, g) volumes of an even number of points, LANES
+    at most; `mean`: Q1P0; stress (m, STRESSES), isochoric, and pressure (m, LANES), of Q1P0 the first of a
+    row: the extrapolated ones, not used where `exact`. Writes what `extrapolate` goes on from: kept (m, KEPT)
+    of the points, and of Q1P0 swell (m, 3 n + 1), the derivative of the volume with respect to the nodes, by
     component, and V.
     Nodes that belong to a rigid body: frames (N, 3, 3) their slopes with respect to its three unknowns,
     curves (N, 3) the second derivative with respect to its rotation; `framed` (m,): has such nodes.

@@ -28,8 +28,8 @@ def _bend_arguments(parser: argparse.ArgumentParser) -> None:
                         help="materials and friction: a name of params/models or a file (the first there "
                              "is of calibrated, literature)")
     parser.add_argument("--solver", metavar="NAME",
-                        help="solid, rod, reference, or one that another package brings (solid); section for "
-                             "the opposition")
+                        help="solid, rod, reference, revolution for a free actuator, or one that another "
+                             "package brings (solid); section for the opposition")
     parser.add_argument("--refine", default="0", metavar="N", help="0 to 3: each halves the elements (0)")
     parser.add_argument("--no-cache", dest="keep", action="store_false",
                         help="solve even what was solved before, and keep nothing")
