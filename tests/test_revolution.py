@@ -70,10 +70,20 @@ def test_ngsolve_says_the_same():
 
 
 def test_without_thread_it_swells_as_the_solid_does():
-    one = replace(free(pressures="5:15:5"), winding=None)
+    """That is coarser, and the nearer the finer."""
+    one = replace(free(pressures="5,15"), winding=None)
+    curves = revolution.simulate(one), solid.simulate(one), solid.simulate(replace(one, refine=1))
+    ours, coarse, fine = (np.array([state.elongation for state in curve.states]) for curve in curves)
+    assert (np.abs(fine / ours - 1) < 0.02).all()
+    assert (np.abs(fine / ours - 1) < 0.5 * np.abs(coarse / ours - 1)).all()
+
+
+@pytest.mark.parametrize("finger", ["middle", "ring", "little", "thumb", "opposition_1", "opposition_2"])
+def test_every_actuator_of_the_hand_lengthens_as_its_solid_does(finger):
+    one = free(pressures="30,60", finger=finger)
     for a, b in zip(revolution.simulate(one).states, solid.simulate(one).states, strict=True):
-        assert a.elongation == pytest.approx(b.elongation, rel=0.06)  # of a coarse mesh, near its limit
-        assert a.max_stretch == pytest.approx(b.max_stretch, rel=0.05)
+        assert a.converged
+        assert 0.97 * a.elongation < b.elongation < a.elongation  # trilinear elements are too stiff
 
 
 def test_rings_stand_for_the_turns_from_the_first_to_the_last():

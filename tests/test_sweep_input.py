@@ -86,6 +86,7 @@ def test_nothing_wrong_hides_what_else_is(tmp_path):
     ({"bend": {"finger": "toe"}}, "bend.finger", "none of this name"),
     ({"bend": {"pressures": [20, 10]}}, "bend.pressures", "does not rise"),
     ({"bend": {"orientation": "palm_dwn"}}, "bend.orientation", "none of this name"),
+    ({"solver": "revolution", "bend": {"part": "actuator"}}, "bend.orientation", "off its axis"),
     ({"model": "literatur"}, "model", "no model of this name"),
     ({"vary": {"force.obstacle": [30, 40]}}, "vary.force.obstacle", "no `force`"),
 ])

@@ -33,6 +33,7 @@ POINTS = 1001
 LOOSE = {"actuator": "an actuator on its own", OPPOSITION: "the section model of the thumb's hinge"}
 """Parts on which pressure alone acts."""
 WEIGHTLESS = "weightless"
+OFF_AXIS = "own weight takes an actuator off its axis, on which the solver revolution keeps it"
 ORIENTATIONS = {
     "palm_down": (0.0, 0.0, -STANDARD_GRAVITY),
     "palm_up": (0.0, 0.0, STANDARD_GRAVITY),

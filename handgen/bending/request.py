@@ -163,8 +163,7 @@ def _round(case: Case, orientation: str, faults: Faults) -> None:
     if case.extended:
         faults.say("--solver", solvers.REVOLUTION, f"does not know {', '.join(case.extended)}", "solid")
     if any(case.gravity):
-        faults.say("--orientation", orientation, "own weight takes an actuator off its axis, on which "
-                   f"the solver {solvers.REVOLUTION} keeps it", loads.WEIGHTLESS)
+        faults.say("--orientation", orientation, loads.OFF_AXIS, loads.WEIGHTLESS)
 
 
 def _acting(gravity: tuple[float, ...], model: BendModel, part: str) -> tuple[float, ...]:

@@ -135,7 +135,8 @@ class Handler(BaseHTTPRequestHandler):
         kind = mimetypes.guess_type(file.name)[0] or "application/octet-stream"
         return self._send(HTTPStatus.OK, file.read_bytes(), kind, POLICY)
 
-    do_HEAD = do_GET  # noqa: N815
+    def do_HEAD(self) -> None:
+        self.do_GET()
 
     def _send(self, status: HTTPStatus, content: bytes, kind: str, policy: str = "") -> None:
         self.send_response(status)

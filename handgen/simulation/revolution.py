@@ -64,7 +64,7 @@ class Revolution:
         self._number()
         self._lay_out()
         self._wind()
-        self.loads = self
+        self.loads = self  # pressure alone
         self.inertia = self._inertia()
 
     def _number(self) -> None:

@@ -271,7 +271,8 @@ def _loadable(sweep: Sweep) -> Iterator[Fault]:
             yield Fault(path, "there is none of this name", solver, "one of " + ", ".join(known),
                         nearest(solver, known))
     wrong = loads.Faults()
-    loads.orientation(bend.orientation, bend.part, wrong)
+    if any(loads.orientation(bend.orientation, bend.part, wrong)) and sweep.solver == solvers.REVOLUTION:
+        yield Fault(("bend", "orientation"), loads.OFF_AXIS, bend.orientation, loads.WEIGHTLESS)
     loads.pressures(bend.pressures, bend.part, wrong)
     where = {"--orientation": ("bend", "orientation"), "--pressures": ("bend", "pressures")}
     yield from (Fault(where[p.path], p.message, p.value, p.allowed, p.suggestion) for p in wrong)
