@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 from handgen.simulation.case import Substance, Winding
-from handgen.simulation.fibre import KNEE
 
 
 def rubber(substance: Substance, gradient, level):
@@ -36,23 +35,20 @@ def rubber(substance: Substance, gradient, level):
 def thread(winding: Winding, surface, straight):
     """Energy per area of the turns on a surface of deformation gradient `surface`.
 
-    Per turn E A / 2 strain^2 along the circle, and a turn to every `pitch` of the axis. Where it is pushed
-    its stiffness falls to a small share, linearly over the strain KNEE. `straight`: the drawn points' place
-    in the straight finger, a field in mm; its x stands still along every circle, also of a curled actuator.
+    Per turn E A / 2 (stretch - 1)^2 along the circle, a small share of it where it is pushed, and a turn to
+    every `pitch` of the axis. `straight`: the drawn points' place in the straight finger, a field in mm; its
+    x stands still along every circle, also of a curled actuator.
     """
     import ngsolve as ng
 
     along = ng.Grad(straight).Trace()[0, :]
     turns = ng.Norm(along) / winding.pitch
     circle = ng.Cross(ng.specialcf.normal(3), along) / ng.Norm(along)
-    strain, share = ng.Norm(surface * circle) - 1, winding.compressive
-    # The integral of the stiffness 1, 1 + (1 - share) strain / KNEE, share, twice over.
-    knee = strain**2 / 2 + (1 - share) * strain**3 / (6 * KNEE)
-    flat = (share * strain**2 - (1 - share) * KNEE * strain) / 2 - (1 - share) * KNEE**2 / 6
-    stored = ng.IfPos(strain, strain**2 / 2, ng.IfPos(strain + KNEE, knee, flat))
+    stretch = ng.Norm(surface * circle)
+    share = ng.IfPos(stretch - 1, 1.0, winding.compressive)
     wound = ng.IfPos(straight[0] - winding.start, 1.0, 0.0) * ng.IfPos(winding.end - straight[0], 1.0, 0.0)
     stiffness = winding.young * math.pi / 4 * winding.diameter**2
-    return wound * turns * stiffness * stored
+    return wound * turns * stiffness / 2 * share * (stretch - 1) ** 2
 
 
 def air(pressure, surface, place):
