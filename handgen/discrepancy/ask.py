@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from handgen.discrepancy.problem import Problem
-from handgen.discrepancy.score import OUTSIDE, Grid, Scores
+from handgen.discrepancy.score import Grid, Scores
 from handgen.discrepancy.untold import telling
 
 TOLD = 0.7
@@ -63,7 +63,7 @@ def proposal(scores: Scores, test: str, sigmas: Mapping[str, float]) -> Proposal
     """What `test` would tell."""
     problem, library = scores.problem, scores.problem.library
     points = library.points(test)
-    asked = [h for h in scores.hypotheses if h.probability >= LIKELY and h.id.split("+")[-1] != OUTSIDE]
+    asked = [h for h in scores.hypotheses if h.probability >= LIKELY and not h.outside]
     there = np.isfinite(np.array([library.baseline, *(h.centre for h in asked)])).all(axis=0)
     points = points[there[points]]
     series = next(one for one in library.tests if one.id == test)
@@ -88,8 +88,9 @@ def foresee(
     whiten = problem.whitener(ids)
     gain = whiten(problem.model(points, problem.scored, ids=ids))
     left = problem.model(points, points, ids=ids) - gain @ gain.T
-    if len(ids) == 1:
-        grid = Grid.of(problem, [whiten], ids[0], [1.0])
+    added = [name for name in ids if name not in problem.library.on]
+    if len(added) == 1:
+        grid = Grid.of(problem, [whiten], added[0], [1.0])
         log = grid.log_densities[0] + grid.log_weights
         share = np.exp(log - log.max())
         share /= share.sum()

@@ -20,7 +20,7 @@ BESIDE = 0.3
 
 def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
     """JSON data; residuals are simulated less measured, in the unit of each test."""
-    problem = found.scores.problem
+    problem = found.problem
     before = problem.library.baseline
     unit = unit_of(problem)
     retuned, patched = found.retuned, found.patched
@@ -161,8 +161,8 @@ def _located(one) -> dict[str, Any]:
 
 def _test_gaps(found: Diagnosis) -> list[dict[str, Any]]:
     """Of every test, those last that nothing was fitted on."""
-    before = found.scores.problem.library.baseline
-    rows = [_test_gap(one) for one in gaps(found.scores.problem, before, found.retuned, found.patched)]
+    before = found.problem.library.baseline
+    rows = [_test_gap(one) for one in gaps(found.problem, before, found.retuned, found.patched)]
     titles = {test.id: test.title or test.id for test in (*found.tests, *found.held_out)}
     return [{"title": titles[row["test"]], **row} for row in rows + _held_out(found)]
 
@@ -247,21 +247,22 @@ def _vetoed(found: Diagnosis) -> list[str]:
 
 
 def _beside(found: Diagnosis) -> list[str]:
-    """Beside an effect that is known to be missing, what else the readings ask for."""
-    if found.verdict.word != "named":
+    """Beside what is named, what else the readings ask for."""
+    named = found.verdict.effects
+    if found.verdict.word not in ("named", "pair"):
         return []
-    (name,) = found.verdict.effects
-    more = {h.id: h.probability for h in found.scores.hypotheses if name in h.ids and h.id != name}
+    more = {h.id: h.probability for h in found.scores.hypotheses
+            if set(named) <= set(h.ids) and (h.outside or len(h.ids) > len(named))}
     if sum(more.values()) < BESIDE:
         return []
     first = max(more, key=more.get)
-    return [f"beside {name} something more may be missing ({100 * sum(more.values()):.0f} %), most likely "
-            f"{first} ({100 * more[first]:.0f} %): these readings cannot tell"]
+    return [f"beside {' and '.join(named)} something more may be missing ({100 * sum(more.values()):.0f} %), "
+            f"most likely {first} ({100 * more[first]:.0f} %): these readings cannot tell"]
 
 
 def _curves(found: Diagnosis) -> list[dict[str, Any]]:
     """Readings and the three predictions, load by load."""
-    problem = found.scores.problem
+    problem = found.problem
     rows = []
     for i, test in enumerate(found.tests):
         at = np.flatnonzero(problem.library.owner == i)

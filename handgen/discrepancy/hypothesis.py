@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from handgen.discrepancy.library import OUTSIDE
 from handgen.discrepancy.problem import Problem
 
 INTERVAL = (0.025, 0.975)
@@ -24,7 +25,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One explanation. `ids`: its effects; empty for none and outside."""
+    """One explanation. `ids`: its effects, those that are on in its library first."""
 
     id: str
     ids: tuple[str, ...]
@@ -44,10 +45,15 @@ class Hypothesis:
     freedoms: int
     p_value: float
 
+    @property
+    def outside(self) -> bool:
+        """Whether something is in it that no effect explains."""
+        return self.id.split("+")[-1] == OUTSIDE
+
 
 @dataclass(frozen=True)
 class Draft:
-    """A hypothesis before its probability is known."""
+    """A hypothesis before its probability is known. `ids`: its effects beside those that are on."""
 
     id: str
     ids: tuple[str, ...]
@@ -58,6 +64,8 @@ class Draft:
     count: int
     """Parameters of its effects."""
     problem: Problem
+
+    outside = Hypothesis.outside
 
 
 def estimates(names: Sequence[str], values: np.ndarray, log_posterior: np.ndarray) -> tuple[Estimate, ...]:

@@ -19,9 +19,11 @@ from handgen import atomic
 from handgen.discrepancy.dense import Dense, dense
 from handgen.measurements.model import DIRECT
 
-FORMAT = 1
+FORMAT = 2
 RESPONSE = ("predictions", "jacobian", "structural")
 """Arrays of a Response, in their order there."""
+NONE, OUTSIDE = "none", "outside"
+"""Explanations beside the effects: nothing is missing, something that no effect explains."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,25 @@ class Response:
 
 
 @dataclass(frozen=True)
+class Interplay:
+    """What two effects do together, at one size of both; NaN where there is no balance."""
+
+    shifts: np.ndarray
+    """(2, n) what each does alone."""
+    excess: np.ndarray
+    """(n,) what both do beyond the sum of these."""
+
+    def at(self, points: np.ndarray) -> Interplay:
+        """The same at some of the points alone."""
+        return Interplay(self.shifts[:, points], self.excess[points])
+
+
+def size_name(effect: str, parameter: str) -> str:
+    """The name of a nuisance: how far a parameter of an effect that is on is off."""
+    return f"size {effect} {parameter}"
+
+
+@dataclass(frozen=True)
 class Library:
     """All predictions of a model about `tests`; n points, those of the first test first."""
 
@@ -128,8 +149,11 @@ class Library:
     """(n, n) covariance of what the model gets wrong with everything within tolerance."""
     prior_odds: Mapping[str, float] = field(default_factory=dict)
     """Effect -> what direct checks make of its odds; 1 where none is given."""
-    known: Mapping[str, float] = field(default_factory=dict)
-    """Effect -> probability that it is missing, where that needs no test of a finger to be seen."""
+    on: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Effects that are on in all of this, at these values of their parameters; how far those are off is a
+    nuisance, see `size_name`."""
+    interplays: Mapping[tuple[str, str], Interplay] = field(default_factory=dict)
+    """Of two effects, named as they follow each other in `responses`; where none is, what they do adds up."""
 
     def __post_init__(self):
         n, k = sum(len(test.loads) for test in self.tests), len(self.nuisances)
@@ -155,6 +179,10 @@ class Library:
         """(n,) load of each point."""
         return np.concatenate([np.asarray(test.loads, float) for test in self.tests])
 
+    def called(self, *parts: str) -> str:
+        """The id of an explanation: these effects, or something outside, beside those that are on."""
+        return "+".join((*self.on, *parts)) or NONE
+
     def points(self, test: str) -> np.ndarray:
         """Indices of the points of a test."""
         return np.flatnonzero(self.owner == [one.id for one in self.tests].index(test))
@@ -169,7 +197,8 @@ class Library:
         return replace(
             self, tests=kept, baseline=self.baseline[at], jacobian=self.jacobian[at],
             structural=self.structural[np.ix_(at, at)],
-            responses={name: response.at(at) for name, response in self.responses.items()})
+            responses={name: response.at(at) for name, response in self.responses.items()},
+            interplays={two: one.at(at) for two, one in self.interplays.items()})
 
     def without(self, *effects: str) -> Library:
         """The library with effects struck off its catalogue."""
@@ -181,14 +210,16 @@ class Library:
         """Write all arrays to one .npz, beside and renamed."""
         arrays = {name: getattr(self, name) for name in ("baseline", "prior", "jacobian", "structural")}
         about: dict = {"format": FORMAT, "tests": [asdict(test) for test in self.tests],
-                       "nuisances": self.nuisances, "prior_odds": dict(self.prior_odds),
-                       "known": dict(self.known), "responses": {}}
+                       "nuisances": self.nuisances, "prior_odds": dict(self.prior_odds), "on": dict(self.on),
+                       "responses": {}, "interplays": list(self.interplays)}
         for name, response in self.responses.items():
             about["responses"][name] = response.parameters
             arrays |= {f"{name}/{what}": getattr(response, what) for what in RESPONSE
                        if getattr(response, what) is not None}
             for i, (axis, density) in enumerate(zip(response.axes, response.densities, strict=True)):
                 arrays[f"{name}/axis/{i}"], arrays[f"{name}/density/{i}"] = axis, density
+        for two, one in self.interplays.items():
+            arrays["/".join(("interplay", *two))] = np.vstack([one.shifts, one.excess])
         with atomic.writing(Path(path)) as beside, open(beside, "wb") as file:
             np.savez_compressed(file, about=np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays)
 
@@ -211,5 +242,7 @@ class Library:
                            *(arrays.get(f"{name}/{what}") for what in RESPONSE))
             for name, parameters in about["responses"].items()}
         tests = tuple(Series(**{**test, "loads": tuple(test["loads"])}) for test in about["tests"])
+        rows = {tuple(two): arrays["/".join(("interplay", *two))] for two in about["interplays"]}
+        interplays = {two: Interplay(found[:2], found[2]) for two, found in rows.items()}
         return cls(tests, arrays["baseline"], tuple(about["nuisances"]), arrays["prior"], arrays["jacobian"],
-                   responses, arrays["structural"], about["prior_odds"], about.get("known", {}))
+                   responses, arrays["structural"], about["prior_odds"], about["on"], interplays)

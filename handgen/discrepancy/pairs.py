@@ -1,8 +1,14 @@
-"""Two effects at once: their responses added, which holds as far as one does not change the other."""
+"""Two effects at once: their responses added, and what both do together beyond that where it was simulated.
+
+A softer wall under more pressure goes further than the sum, a finger that is bent already less far. The
+interplay is simulated at one size of both effects and goes with the product of how much of its shift at that
+size each has: exact to second order.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -10,7 +16,7 @@ import numpy as np
 from handgen.discrepancy.dense import COARSE, Dense, dense
 from handgen.discrepancy.gaussian import Whitener, log_sum
 from handgen.discrepancy.hypothesis import Draft, estimates
-from handgen.discrepancy.library import Response
+from handgen.discrepancy.library import Library, Response
 from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
 
 
@@ -34,16 +40,48 @@ def drafts(problem: Problem, names: Sequence[str]) -> list[Draft]:
         for name in (a, b):
             if (key, name) not in moved:
                 moved[key, name] = _whitened(whiteners, moves[name])
-        posterior = _posterior(whiteners, white[key], moved[key, a], moved[key, b])
+        more = Together.of(library, a, b, first, second, problem.scored)
+        excess = None if more is None else _whitened(whiteners, more.excess[problem.scored])
+        posterior = _posterior(whiteners, white[key], moved[key, a], moved[key, b], more, excess)
         posterior += first.log_weights[:, None] + second.log_weights[None, :]
         i, j = np.unravel_index(int(posterior.argmax()), posterior.shape)
         parameters = {
             a: estimates(library.responses[a].parameters, first.values, _rows(posterior)),
             b: estimates(library.responses[b].parameters, second.values, _rows(posterior.T))}
         centre = first.predictions[i] + second.predictions[j] - library.baseline
-        result.append(Draft(f"{a}+{b}", (a, b), log_sum(posterior.ravel()), parameters, centre,
+        if more is not None:
+            centre = centre + more.first[i] * more.second[j] * more.excess
+        result.append(Draft(library.called(a, b), (a, b), log_sum(posterior.ravel()), parameters, centre,
                             len(parameters[a]) + len(parameters[b]), problem))
     return result
+
+
+@dataclass(frozen=True)
+class Together:
+    """The interplay of two effects at all of their values."""
+
+    excess: np.ndarray
+    """(n,) where it was simulated; 0 where that found no balance."""
+    first: np.ndarray
+    """Of each value of the first effect: its shift as a share of that which the interplay belongs to."""
+    second: np.ndarray
+
+    @classmethod
+    def of(cls, library: Library, a: str, b: str, first: Dense, second: Dense,
+           scored: np.ndarray) -> Together | None:
+        """None where none was simulated, or where it is unknown at a point that is `scored`."""
+        found = library.interplays.get((a, b))
+        if found is None or not np.isfinite(found.at(scored).excess).all():
+            return None
+        return cls(np.nan_to_num(found.excess), *(
+            _shares(dense.predictions[:, scored] - library.baseline[scored], shift)
+            for dense, shift in zip((first, second), found.at(scored).shifts, strict=True)))
+
+
+def _shares(shifts: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    """(m,) of each of `shifts`, its part along `whole`, whose own is 1."""
+    size = float(whole @ whole)
+    return shifts @ whole / size if size > 0 else np.zeros(len(shifts))
 
 
 def _whitened(whiteners: Sequence[Whitener], rows: np.ndarray) -> list[np.ndarray]:
@@ -60,12 +98,17 @@ def coarsened(response: Response) -> Dense:
 
 
 def _posterior(whiteners: Sequence[Whitener], white: Sequence[np.ndarray], first: Sequence[np.ndarray],
-               second: Sequence[np.ndarray]) -> np.ndarray:
+               second: Sequence[np.ndarray], more: Together | None,
+               excess: Sequence[np.ndarray] | None) -> np.ndarray:
     """log of the likelihood at every two values, summed over the scales of the structural error."""
     terms = []
-    for whiten, w, a, b, share in zip(whiteners, white, first, second, SCALE_WEIGHTS, strict=True):
-        left = w - a
+    for i, (whiten, share) in enumerate(zip(whiteners, SCALE_WEIGHTS, strict=True)):
+        left, b = white[i] - first[i], second[i]
         squares = (left**2).sum(axis=1)[:, None] + (b**2).sum(axis=1)[None, :] - 2 * left @ b.T
+        if more is not None:
+            by = np.outer(more.first, more.second)
+            squares += by**2 * (excess[i] @ excess[i]) - 2 * by * (
+                (left @ excess[i])[:, None] - (b @ excess[i])[None, :])
         terms.append(whiten.log_norm - squares / 2 + np.log(share))
     return np.logaddexp(np.logaddexp(terms[0], terms[1]), terms[2])
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from handgen.discrepancy.gaussian import Whitener
-from handgen.discrepancy.library import Library
+from handgen.discrepancy.library import Library, Response
 from handgen.discrepancy.observed import Observed
 
 SCALES = (0.5, 1.0, 2.0)
@@ -91,18 +91,22 @@ class Problem:
     def jacobian(self, ids: Sequence[str]) -> np.ndarray:
         """(n, k); what two effects change of it adds up."""
         base = self.library.jacobian
-        local = [self.library.responses[name].jacobian for name in ids]
+        local = [one.jacobian for one in self._added(ids)]
         return sum((one - base for one in local if one is not None), base)
 
     def structural(self, ids: Sequence[str]) -> np.ndarray:
         """(n, n); of two effects the one that leaves more open, and what the laws of both get wrong."""
-        local = [self.library.responses[name].structural for name in ids]
+        local = [one.structural for one in self._added(ids)]
         found = max((one for one in local if one is not None), key=np.trace, default=self.library.structural)
         return sum((self.laws[name] for name in ids if name in self.laws), found)
 
     def local(self, ids: Sequence[str]) -> tuple[str, ...]:
         """Those of `ids` that leave something else open than the model without them."""
-        return tuple(name for name in ids if name in self.laws or self.library.responses[name].local)
+        return tuple(one.id for one in self._added(ids) if one.id in self.laws or one.local)
+
+    def _added(self, ids: Sequence[str]) -> list[Response]:
+        """Of those of `ids` that are not on anyway."""
+        return [self.library.responses[name] for name in ids if name not in self.library.on]
 
     def whiteners(self, ids: Sequence[str] = ()) -> list[Whitener]:
         """One for each of SCALES."""

@@ -147,7 +147,7 @@ class Refit:
                 for number, value in zip(self.numbers, values, strict=True)
             ]
         )
-        return self.problem.library.jacobian @ zeros[: len(self.left_open)]
+        return self._left_open_slopes @ zeros[: len(self.left_open)]
 
     def _predicted(self, values: np.ndarray) -> np.ndarray:
         return self.simulation.predict([self._row(values)], self.what)[0] + self._zeros(values)
@@ -165,11 +165,16 @@ class Refit:
             steps.append((i, step))
         rows = self.simulation.predict([self._row(move) for move in moves], self.what)
         slopes = np.zeros((len(predicted), len(values)))
-        slopes[:, : len(self.left_open)] = self.problem.library.jacobian
+        slopes[:, : len(self.left_open)] = self._left_open_slopes
         for (i, step), move, row in zip(steps, moves, rows, strict=True):
             found = (row + self._zeros(move) - predicted) / step
             slopes[:, i] = np.where(np.isfinite(found), found, slopes[:, i])
         return slopes
+
+    @property
+    def _left_open_slopes(self) -> np.ndarray:
+        """(n, nuisances) of the library, less those of the sizes of effects that are on."""
+        return self.problem.library.jacobian[:, : len(self.left_open)]
 
     def _weights(self, used: np.ndarray) -> np.ndarray:
         """(s, s) inverse covariance of readings and structural error, of the points that are `used`."""
@@ -238,5 +243,4 @@ class Refit:
 
 def _normal(parameter: Parameter) -> tuple[float, float]:
     """Mean and deviation of a parameter's prior, by its middle 68 %."""
-    low, high = parameter.quantile(0.16), parameter.quantile(0.84)
-    return (low + high) / 2, max((high - low) / 2, 1e-9)
+    return (parameter.quantile(0.16) + parameter.quantile(0.84)) / 2, parameter.deviation

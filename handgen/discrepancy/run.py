@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,15 +14,18 @@ from handgen.discrepancy import convention, nuisance, simulated
 from handgen.discrepancy.ask import Proposal, next_test
 from handgen.discrepancy.candidates import SIGMAS, candidates
 from handgen.discrepancy.direct import Finding, findings, materials
-from handgen.discrepancy.library import Library
+from handgen.discrepancy.hypothesis import Hypothesis
+from handgen.discrepancy.library import NONE, Library
 from handgen.discrepancy.locate import STANDS_OUT, Located, locate
+from handgen.discrepancy.observed import Observed
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.readings import chosen, observed_of
 from handgen.discrepancy.refit import Fitted, Refit
-from handgen.discrepancy.score import NONE, Scores, score_problem
+from handgen.discrepancy.score import Scores, score_problem
 from handgen.discrepancy.simulated import Simulation
 from handgen.discrepancy.verdict import Verdict, verdict
 from handgen.discrepancy.worker import Bends
+from handgen.effects import catalogue
 from handgen.errors import InputError
 from handgen.errors import Problem as Wrong
 from handgen.measurements.load import Measured, load_measurements
@@ -34,6 +38,8 @@ ODDS = 10.0
 """By which a direct check that points to an effect raises its odds."""
 SHORT, NEAR = 3, 6.0
 """Effects that are looked at more closely: so many at most, whose log evidence is so near the best one's."""
+PAIRS, ROUNDS = 4, 2
+"""Pairs that are simulated together: so many at a time, the most probable, and so often."""
 DRIFT = 3.0
 """Deviations from which a drift is spoken of."""
 
@@ -50,6 +56,8 @@ class Diagnosis:
     """Those that were only predicted."""
     findings: tuple[Finding, ...]
     located: tuple[Located, ...]
+    problem: Problem
+    """Of the model as it was."""
     scores: Scores
     verdict: Verdict
     retuned: Fitted
@@ -100,29 +108,32 @@ def diagnose(
         )
     bends = Bends(workers, progress)
     simulation = Simulation(measured, tests, subject, bends, seed)
-    library = simulated.library(simulation)
     observed = observed_of(tests)
     found = tuple(findings(subject, measured.hand.hand, measured.measurements))
-    library = replace(
-        library,
-        prior_odds=_odds(subject, measured, found),
-        known={one.effect: one.probability for one in found
-               if one.probability is not None and one.effect in library.responses})
-    first = score_problem(Problem.of(library, observed))
-    library = simulated.localised(simulation, library, _shortlist(first))
-    problem = Problem.of(library, observed)
-    scores = score_problem(problem)
+    odds = _odds(subject, measured, found)
+    plain = score_problem(Problem.of(replace(simulated.library(simulation), prior_odds=odds), observed))
+    missing = {one.effect: one.probability for one in found
+               if one.probability is not None and one.effect in plain.problem.library.responses}
+    if missing:
+        progress(f"the same with {' and '.join(missing)}")
+        wider = replace(simulation, on={name: catalogue()[name].filled({}) for name in missing})
+        library = replace(simulated.library(wider), prior_odds=odds)
+        scores = _closely(wider, score_problem(Problem.of(library, observed)), observed)
+        scores = scores.or_else(plain.without(*missing), math.prod(missing.values()))
+    else:
+        scores = _closely(simulation, plain, observed)
     said = verdict(scores)
     progress(f"verdict: {said.word} {', '.join(said.effects)}")
     left_open = nuisance.nuisances(list(tests))
-    retuned = Refit(simulation, problem, left_open, (), "re-tuned only").run(scores[NONE])
+    retuned = Refit(simulation, plain.problem, left_open, (), "re-tuned only").run(plain[NONE])
     patched = retuned
     if said.best.ids and (said.known or said.word in ("named", "pair", "ambiguous")):
+        problem = scores.problem if said.known else plain.problem
         patched = Refit(simulation, problem, left_open, said.best.ids, "patched").run(said.best)
     asked = None
     if said.word == "ambiguous":
-        asked = _next(simulation, said, observed)
-    located = tuple(locate(library, observed))
+        asked = _next(wider if said.known else simulation, said, observed)
+    located = tuple(locate(plain.problem.library, observed))
     return Diagnosis(
         measured,
         subject,
@@ -130,6 +141,7 @@ def diagnose(
         held_out,
         found,
         located,
+        plain.problem,
         scores,
         said,
         retuned,
@@ -138,7 +150,7 @@ def diagnose(
         asked,
         materials(measured.hand.hand),
         bends.solved,
-        (*remarks, *_flags(library, located)),
+        (*remarks, *_flags(plain.problem.library, located)),
     )
 
 
@@ -151,15 +163,43 @@ def _odds(model: BendModel, measured: Measured, found: Sequence[Finding]) -> dic
     return odds
 
 
+def _closely(simulation: Simulation, scores: Scores, observed: Observed) -> Scores:
+    """`scores` anew, with what is open simulated with the likeliest effects on, and the likeliest pairs
+    together."""
+    library = simulated.localised(simulation, scores.problem.library, _shortlist(scores))
+    scores = score_problem(Problem.of(library, observed))
+    for _ in range(ROUNDS):
+        library = simulated.together(simulation, library, _pairs(scores))
+        scores = score_problem(Problem.of(library, observed))
+    return scores
+
+
 def _shortlist(scores: Scores) -> dict[str, dict[str, float]]:
     """Effects that may yet win, or that a direct check points to, each with its most probable parameters."""
-    library = scores.problem.library
-    odds = {**library.prior_odds, **{name: np.inf for name in library.known}}
-    single = sorted((h for h in scores.hypotheses if h.ids == (h.id,)),
-                    key=lambda h: h.log_evidence + np.log(odds.get(h.id, 1.0)), reverse=True)
+    on, odds = scores.problem.library.on, scores.problem.library.prior_odds
+    single = sorted((h for h in scores.hypotheses if len(_beside(h, on)) == 1),
+                    key=lambda h: h.log_evidence + np.log(odds.get(*_beside(h, on), 1.0)), reverse=True)
     best = max((h.log_evidence for h in single), default=0.0)
-    kept = [h for h in single if h.log_evidence + np.log(odds.get(h.id, 1.0)) > best - NEAR][:SHORT]
-    return {h.id: {one.name: one.value for one in h.parameters[h.id]} for h in kept}
+    kept = [h for h in single if h.log_evidence + np.log(odds.get(*_beside(h, on), 1.0)) > best - NEAR]
+    return {name: _sizes(h, name) for h in kept[:SHORT] for name in _beside(h, on)}
+
+
+def _pairs(scores: Scores) -> dict[tuple[str, str], tuple[dict[str, float], dict[str, float]]]:
+    """The most probable pairs that were not simulated together yet, with their most probable parameters."""
+    library = scores.problem.library
+    found = [h for h in scores.hypotheses
+             if len(two := _beside(h, library.on)) == 2 and two not in library.interplays]
+    return {two: (_sizes(h, two[0]), _sizes(h, two[1]))
+            for h in found[:PAIRS] for two in [_beside(h, library.on)]}
+
+
+def _beside(hypothesis: Hypothesis, on: Sequence[str]) -> tuple[str, ...]:
+    """Its effects beside those that are on anyway."""
+    return tuple(name for name in hypothesis.ids if name not in on)
+
+
+def _sizes(hypothesis: Hypothesis, name: str) -> dict[str, float]:
+    return {one.name: one.value for one in hypothesis.parameters[name]}
 
 
 def _next(simulation: Simulation, said: Verdict, observed) -> tuple[Test, Proposal] | None:

@@ -10,18 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 
 import numpy as np
 
 from handgen.discrepancy import law, outside
 from handgen.discrepancy import pairs as of_pairs
 from handgen.discrepancy.gaussian import Whitener, log_sum
-from handgen.discrepancy.hypothesis import Draft, Hypothesis, estimates
-from handgen.discrepancy.library import Library
+from handgen.discrepancy.hypothesis import INTERVAL, Draft, Estimate, Hypothesis, estimates
+from handgen.discrepancy.library import NONE, OUTSIDE, Library, size_name
 from handgen.discrepancy.observed import Observed
 from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
 
-NONE, OUTSIDE = "none", "outside"
 PRIOR = {NONE: 0.40, "single": 0.30, "pair": 0.10, OUTSIDE: 0.20}
 """Before any data: of nothing missing, of all effects together, of all pairs together, of something else."""
 
@@ -32,6 +32,8 @@ class Scores:
 
     problem: Problem
     hypotheses: tuple[Hypothesis, ...]
+    log_evidence: float
+    """Of all of them together."""
 
     def __getitem__(self, name: str) -> Hypothesis:
         return next(h for h in self.hypotheses if h.id == name)
@@ -49,9 +51,19 @@ class Scores:
         """What is left with `effects` struck off the catalogue."""
         library = self.problem.library.without(*effects)
         kept = [h for h in self.hypotheses if not set(effects) & set(h.ids)]
-        shares = _shares(library, kept, prior)
+        shares, evidence = _shares(library, kept, prior)
         found = [replace(h, probability=share) for h, share in zip(kept, shares, strict=True)]
-        return Scores(replace(self.problem, library=library), _ordered(found))
+        return Scores(replace(self.problem, library=library), _ordered(found), evidence)
+
+    def or_else(self, other: Scores, probability: float) -> Scores:
+        """These explanations, or those of `other`: before any reading, these with this `probability`."""
+        evidences = np.array([np.log(probability) + self.log_evidence,
+                              np.log(1.0 - probability) + other.log_evidence])
+        total = log_sum(evidences)
+        shares = np.exp(evidences - total)
+        found = [replace(h, probability=float(share) * h.probability)
+                 for one, share in zip((self, other), shares, strict=True) for h in one.hypotheses]
+        return Scores(self.problem, _ordered(found), total)
 
 
 def score(library: Library, observed: Observed, *, pairs: bool = True, everything: bool = False,
@@ -82,11 +94,12 @@ def score_problem(problem: Problem, *, pairs: bool = True, process: bool = True,
     found += [_single(problem, grid) for grid in grids.values()]
     if process:
         evidence, learned = outside.log_evidence(problem, library.baseline)
-        found.append(Draft(OUTSIDE, (), evidence, {}, library.baseline + learned, 0, problem))
-        found += [_beside(problem, grids[name]) for name in library.known if name in grids]
+        found.append(Draft(library.called(OUTSIDE), (), evidence, {}, library.baseline + learned, 0, problem))
     if pairs and len(grids) > 1:
         found += of_pairs.drafts(problem, list(grids))
-    return Scores(problem, _weighed(library, found, prior))
+    shares, evidence = _shares(library, found, prior)
+    hypotheses = [_hypothesis(draft, share) for draft, share in zip(found, shares, strict=True)]
+    return Scores(problem, _ordered(hypotheses), evidence)
 
 
 def lawful(problem: Problem) -> Problem:
@@ -127,32 +140,18 @@ def _none(problem: Problem) -> Draft:
     residual = problem.data - problem.library.baseline[problem.scored]
     terms = [float(w.log_density(residual)) + np.log(share)
              for w, share in zip(problem.whiteners(), SCALE_WEIGHTS, strict=True)]
-    return Draft(NONE, (), log_sum(np.array(terms)), {}, problem.library.baseline, 0, problem)
+    library = problem.library
+    return Draft(library.called(), (), log_sum(np.array(terms)), {}, library.baseline, 0, problem)
 
 
 def _single(problem: Problem, grid: Grid) -> Draft:
-    names = problem.library.responses[grid.id].parameters
+    library = problem.library
+    name, names = library.called(grid.id), library.responses[grid.id].parameters
     if len(grid.values) == 0:
-        return Draft(grid.id, (grid.id,), -np.inf, {grid.id: ()}, problem.library.baseline, 0, problem)
+        return Draft(name, (grid.id,), -np.inf, {grid.id: ()}, library.baseline, 0, problem)
     posterior = np.logaddexp.reduce(grid.log_densities) + grid.log_weights
-    return Draft(grid.id, (grid.id,), log_sum(posterior),
-                  {grid.id: estimates(names, grid.values, posterior)},
-                  grid.predictions[int(posterior.argmax())], len(names), problem)
-
-
-def _beside(problem: Problem, grid: Grid) -> Draft:
-    """Something outside the catalogue beside an effect that is known to be missing."""
-    alone = _single(problem, grid)
-    at_best = max(log_sum(column) for column in grid.log_densities.T)
-    evidence, learned = outside.log_evidence(problem, alone.centre, alone.ids)
-    # Its size is as open as without the process: the same share of the best density is evidence.
-    return replace(alone, id=f"{grid.id}+{OUTSIDE}", log_evidence=evidence + alone.log_evidence - at_best,
-                   centre=alone.centre + learned)
-
-
-def _weighed(library: Library, drafts: Sequence[Draft], prior: Mapping[str, float]) -> tuple[Hypothesis, ...]:
-    shares = _shares(library, drafts, prior)
-    return _ordered([_hypothesis(draft, share) for draft, share in zip(drafts, shares, strict=True)])
+    return Draft(name, (grid.id,), log_sum(posterior), {grid.id: estimates(names, grid.values, posterior)},
+                 grid.predictions[int(posterior.argmax())], len(names), problem)
 
 
 def _ordered(found: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
@@ -160,30 +159,22 @@ def _ordered(found: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
 
 
 def _shares(library: Library, drafts: Sequence[Draft | Hypothesis],
-            prior: Mapping[str, float]) -> list[float]:
-    """Probability of each of `drafts`, which are all that there is.
-
-    Where an effect is known to be missing, what else may be missing is as probable as it ever is.
-    """
+            prior: Mapping[str, float]) -> tuple[list[float], float]:
+    """(probability of each of `drafts`, which are all that there is; their log evidence together)."""
     families = [_family(library, draft) for draft in drafts]
-    shares = []
-    for draft, (side, family) in zip(drafts, families, strict=True):
-        share = prior[family] / families.count((side, family))
-        for name, probability in library.known.items():
-            share *= probability if name in side else 1.0 - probability
-        for name in set(draft.ids) - set(side):
-            share *= library.prior_odds.get(name, 1.0)
-        shares.append(share)
-    logs = np.array([d.log_evidence for d in drafts]) + np.log(shares)
-    return [float(share) for share in np.exp(logs - log_sum(logs))]
+    shares = np.array([prior[family] / families.count(family) for family in families])
+    for i, draft in enumerate(drafts):
+        shares[i] *= np.prod([library.prior_odds.get(name, 1.0) for name in draft.ids])
+    logs = np.array([d.log_evidence for d in drafts]) + np.log(shares / shares.sum())
+    total = log_sum(logs)
+    return [float(share) for share in np.exp(logs - total)], total
 
 
-def _family(library: Library, draft: Draft | Hypothesis) -> tuple[tuple[str, ...], str]:
-    """(effects of it that are known to be missing, what it says beside them)."""
-    side = tuple(name for name in draft.ids if name in library.known)
-    if draft.id.split("+")[-1] == OUTSIDE:
-        return side, OUTSIDE
-    return side, (NONE, "single", "pair")[len(draft.ids) - len(side)]
+def _family(library: Library, draft: Draft | Hypothesis) -> str:
+    """What it says beside the effects that are on."""
+    if draft.outside:
+        return OUTSIDE
+    return (NONE, "single", "pair")[len(set(draft.ids) - set(library.on))]
 
 
 def _hypothesis(draft: Draft, probability: float) -> Hypothesis:
@@ -199,6 +190,23 @@ def _hypothesis(draft: Draft, probability: float) -> Hypothesis:
     left = library.prior - gain @ gain.T
     size = float(white @ white)
     freedoms = max(len(residual) - draft.count, 1)
-    return Hypothesis(draft.id, draft.ids, draft.log_evidence, probability, draft.parameters, nuisances, left,
+    return Hypothesis(draft.id, (*library.on, *draft.ids), draft.log_evidence, probability,
+                      {**_sizes(library, nuisances, left), **draft.parameters}, nuisances, left,
                       draft.centre, draft.centre + slopes @ nuisances, size, freedoms,
                       float(chdtrc(freedoms, size)))
+
+
+def _sizes(library: Library, nuisances: np.ndarray, left: np.ndarray) -> dict[str, tuple[Estimate, ...]]:
+    """Parameters of the effects that are on, as the data leave them."""
+    column = {name: at for at, name in enumerate(library.nuisances)}
+    found = {}
+    for effect, values in library.on.items():
+        sizes = []
+        for name, value in values.items():
+            at = column.get(size_name(effect, name))
+            off, sigma = (0.0, 0.0) if at is None else (nuisances[at], np.sqrt(left[at, at]))
+            low, high = (NormalDist(value + off, sigma).inv_cdf(share) if sigma else value
+                         for share in INTERVAL)
+            sizes.append(Estimate(name, float(value + off), float(low), float(high)))
+        found[effect] = tuple(sizes)
+    return found

@@ -7,8 +7,8 @@ again, neither in this diagnosis nor in the next.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,9 +17,9 @@ from handgen.bending.model import BendModel
 from handgen.bending.model import Effect as Switch
 from handgen.bending.request import Request
 from handgen.discrepancy import design, nuisance, tolerance
-from handgen.discrepancy.library import Library, Response, Series, same_state
+from handgen.discrepancy.library import Interplay, Library, Response, Series, same_state, size_name
 from handgen.discrepancy.worker import Bends
-from handgen.effects import catalogue
+from handgen.effects import Parameter, catalogue
 from handgen.errors import EngineError, InputError
 from handgen.measurements.load import Measured
 from handgen.measurements.model import Test
@@ -40,6 +40,10 @@ SEEN = 1e-6
 """Shares of a reading below which an effect does nothing."""
 
 
+Sizes = Mapping[str, float]
+"""Parameters of an effect by name."""
+
+
 @dataclass(frozen=True)
 class Row:
     """One prediction of all tests: a request a test, or why there is none."""
@@ -57,13 +61,15 @@ class Simulation:
     bends: Bends
     seed: int = 0
     """Of the ensemble within tolerance."""
+    on: Mapping[str, Sizes] = field(default_factory=dict)
+    """Effects that are on beside the model's own, at these sizes, which are open."""
 
     def row(self, model: BendModel | None = None, change=lambda case: case) -> Row:
         """Requests for every test by `model`, with each case changed; None where a hand forbids it."""
         found = []
         for test in self.tests:
             try:
-                one = asked(self.measured, test, model or self.model)
+                one = asked(self.measured, test, model or self.with_effects({}))
                 found.append(replace(one, case=change(one.case)))
             except (InputError, ValueError):
                 found.append(None)
@@ -85,11 +91,15 @@ class Simulation:
             lines.append(line)
         return np.array(lines, float)
 
-    def with_effects(self, effects: dict[str, dict[str, float]], model: BendModel | None = None) -> BendModel:
-        """The model with these effects on beside its own."""
-        base = model or self.model
-        more = [Switch(id=name, parameters=values) for name, values in effects.items()]
-        return base.model_copy(update={"effects": [*base.effects, *more]})
+    def with_effects(self, effects: Mapping[str, Sizes]) -> BendModel:
+        """The model with these effects on beside its own, and beside those that are on."""
+        more = [Switch(id=name, parameters=dict(values)) for name, values in {**self.on, **effects}.items()]
+        return self.model.model_copy(update={"effects": [*self.model.effects, *more]})
+
+    def including(self, name: str, parameters: Sizes) -> Simulation:
+        """The same of a model that has an effect of its own more."""
+        own = Switch(id=name, parameters=dict(parameters))
+        return replace(self, model=self.model.model_copy(update={"effects": [*self.model.effects, own]}))
 
 
 def read(test: Test, curve: Curve | None) -> list[float]:
@@ -122,22 +132,31 @@ def library(simulation: Simulation, only: Sequence[str] | None = None,
     if not np.isfinite(baseline).any():
         raise EngineError(f"the model {simulation.model.name} finds no balance at any load of any test")
     left_open = nuisance.nuisances(list(simulation.tests))
+    sizes = _sizes(simulation)
+    sigmas = [one.sigma for one in left_open] + [one.deviation for _, one in sizes]
     return Library(
         tuple(series(test) for test in simulation.tests), baseline,
-        tuple(one.name for one in left_open), np.diag([one.sigma**2 for one in left_open]),
-        jacobian(simulation, baseline, left_open),
-        responses(simulation, baseline, only), structural(simulation, baseline, members))
+        (*(one.name for one in left_open), *(size_name(name, one.name) for name, one in sizes)),
+        np.diag(np.square(sigmas)), jacobian(simulation, baseline, left_open),
+        responses(simulation, baseline, only), structural(simulation, baseline, members),
+        on={name: dict(values) for name, values in simulation.on.items()})
+
+
+def _sizes(simulation: Simulation) -> list[tuple[str, Parameter]]:
+    """Parameters of the effects that are on."""
+    return [(name, one) for name in simulation.on for one in catalogue()[name].parameters if not one.switch]
 
 
 def jacobian(simulation: Simulation, baseline: np.ndarray,
-             left_open: Sequence[nuisance.Nuisance], model: BendModel | None = None,
-             at: dict[str, float] | None = None) -> np.ndarray:
-    """(n, k), by central differences; `at`: values of the nuisances that it is taken at."""
+             left_open: Sequence[nuisance.Nuisance]) -> np.ndarray:
+    """(n, k), by central differences: of what is `left_open`, then of the sizes of effects that are on."""
     owner = np.repeat(np.arange(len(simulation.tests)), [len(t.load.values) for t in simulation.tests])
     moved = [one for one in left_open if one.kind != "zero"]
-    rows = [simulation.row(model, shifted(left_open, {**(at or {}), one.name: (at or {}).get(one.name, 0.0)
-                                                      + sign * nuisance.STEP * one.sigma}))
+    rows = [simulation.row(None, shifted(left_open, {one.name: sign * nuisance.STEP * one.sigma}))
             for one in moved for sign in (1, -1)]
+    rows += [simulation.row(simulation.with_effects({name: {
+                **simulation.on[name], one.name: simulation.on[name][one.name] + sign * _step(one)}}))
+             for name, one in _sizes(simulation) for sign in (1, -1)]
     predictions = iter(simulation.predict(rows, "stiffness and gauge"))
     columns = []
     for one in left_open:
@@ -147,7 +166,16 @@ def jacobian(simulation: Simulation, baseline: np.ndarray,
             continue
         up, down = next(predictions), next(predictions)
         columns.append(np.where(mine, _slope(up, down, baseline, nuisance.STEP * one.sigma), 0.0))
+    for _, one in _sizes(simulation):
+        up, down = next(predictions), next(predictions)
+        columns.append(_slope(up, down, baseline, _step(one)))
     return np.stack(columns, axis=1)
+
+
+def _step(parameter: Parameter) -> float:
+    """Of the finite differences, within the parameter's range on both sides of its median."""
+    middle = parameter.quantile(0.5)
+    return min(nuisance.STEP * parameter.deviation, parameter.high - middle, middle - parameter.low)
 
 
 def _slope(up: np.ndarray, down: np.ndarray, middle: np.ndarray, step: float) -> np.ndarray:
@@ -169,7 +197,7 @@ def shifted(left_open: Sequence[nuisance.Nuisance], values: dict[str, float]):
 def responses(simulation: Simulation, baseline: np.ndarray,
               only: Sequence[str] | None = None) -> dict[str, Response]:
     """Of every effect that does anything to these tests, and is not on already."""
-    there = {one.id for one in simulation.model.effects}
+    there = {one.id for one in simulation.model.effects} | set(simulation.on)
     known = {name: effect for name, effect in catalogue().items()
              if name not in there and (only is None or name in only)}
     plans = {name: design.axes(effect) for name, effect in known.items()}
@@ -198,7 +226,7 @@ def localised(simulation: Simulation, library: Library, values: dict[str, dict[s
     left_open = nuisance.nuisances(list(simulation.tests))
     found = dict(library.responses)
     for name, parameters in values.items():
-        other = replace(simulation, model=simulation.with_effects({name: parameters}))
+        other = simulation.including(name, parameters)
         middle = other.predict([other.row()], f"{name} at its most probable size")[0]
         slopes, spread = jacobian(other, middle, left_open), structural(other, middle, LOCAL)
         there = np.isfinite(slopes).all(axis=1)
@@ -206,6 +234,22 @@ def localised(simulation: Simulation, library: Library, values: dict[str, dict[s
             found[name], jacobian=np.where(there[:, None], slopes, library.jacobian),
             structural=np.where(there[:, None] & there[None, :], spread, library.structural))
     return replace(library, responses=found)
+
+
+def together(simulation: Simulation, library: Library,
+             pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
+    """`library` with what two effects do together, of each of `pairs` at these sizes of both."""
+    if not pairs:
+        return library
+    wanted = [effects for (a, b), (first, second) in pairs.items()
+              for effects in ({a: first, b: second}, {a: first}, {b: second})]
+    rows = [simulation.row(simulation.with_effects(effects)) for effects in wanted]
+    predictions = simulation.predict(rows, f"{len(pairs)} pairs")
+    found = dict(library.interplays)
+    for two, moved in zip(pairs, (predictions - library.baseline).reshape(len(pairs), 3, -1), strict=True):
+        both, *alone = moved
+        found[two] = Interplay(np.array(alone), both - sum(alone))
+    return replace(library, interplays=found)
 
 
 def structural(simulation: Simulation, baseline: np.ndarray, members: int) -> np.ndarray:

@@ -7,7 +7,8 @@ from typing import Literal
 
 from handgen.discrepancy.classes import classes
 from handgen.discrepancy.hypothesis import Hypothesis
-from handgen.discrepancy.score import NONE, OUTSIDE, Scores
+from handgen.discrepancy.library import NONE
+from handgen.discrepancy.score import Scores
 from handgen.discrepancy.untold import untold
 
 Word = Literal["none", "named", "pair", "ambiguous", "outside"]
@@ -30,7 +31,8 @@ class Verdict:
 
     word: Word
     effects: tuple[str, ...]
-    """What it rests on: one, two, or the effects of an ambiguous set; empty for none and outside."""
+    """What it rests on: one, two (more beside what a direct check shows), or the effects of an ambiguous set;
+    empty for none and outside."""
     best: Hypothesis
     """The explanation that is shown: the named one, else the most probable."""
     probability: float
@@ -54,31 +56,43 @@ class Verdict:
 
 def verdict(scores: Scores) -> Verdict:
     """The verdict on `scores`."""
+    library = scores.problem.library
+    known = tuple(library.on) if all(scores.present(name) >= SURE for name in library.on) else ()
+    found = _of_readings(scores, known)
+    if known and found.word != "pair" and scores[library.called()].p_value >= MISFIT:
+        # A direct check names it, and it fits: whatever else may be missing.
+        alone = scores[library.called()]
+        return replace(found, word="named", effects=known, best=alone, vetoed=False,
+                       probability=min(scores.present(name) for name in known))
+    return found
+
+
+def _of_readings(scores: Scores, known: tuple[str, ...]) -> Verdict:
+    """What the readings say, beside the effects that are `known` to be missing."""
     best = scores.hypotheses[0]
-    known = tuple(name for name in scores.problem.library.known if scores.present(name) >= SURE)
-    if known and not (len(best.ids) == 2 and best.probability >= SURE):
-        # Whatever else may be missing: the readings are read with what is known to be.
-        best = scores[known[0]]
+    beside = tuple(name for name in best.ids if name not in known)
     held = covering(scores)
-    vetoed = best.p_value < MISFIT and best.id != OUTSIDE
+    vetoed = best.p_value < MISFIT and not best.outside
     parted = tuple(classes(scores, held))
 
     def said(word: Word, effects: tuple[str, ...], probability: float, shown: Hypothesis = best) -> Verdict:
         return Verdict(word, effects, shown, probability, held, parted, vetoed, known)
 
-    outside = sum(h.probability for h in scores.hypotheses if h.id.split("+")[-1] == OUTSIDE)
-    if vetoed or (best.id == OUTSIDE and outside >= RATHER):
+    outside = sum(h.probability for h in scores.hypotheses if h.outside)
+    if vetoed or (best.outside and outside >= RATHER):
         return said("outside", (), outside)
     if best.id == NONE and best.probability >= RATHER:
         return said("none", (), best.probability)
-    if best.id in (NONE, OUTSIDE):
+    if best.outside or not beside:
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
-    if len(best.ids) == 2 and best.probability >= SURE and not _one_may_do(scores, best):
+    if len(beside) == 2 and best.probability >= SURE and not _one_may_do(scores, known, beside):
         return _parted(said("pair", best.ids, best.probability), scores)
     # One effect may be certain where it is open whether another one is there as well
-    sure = [name for name in best.ids if scores.present(name) >= SURE and scores[name].p_value >= MISFIT]
+    sure = [name for name in beside if scores.present(name) >= SURE
+            and scores["+".join((*known, name))].p_value >= MISFIT]
     if len(sure) == 1:
-        return _parted(said("named", (sure[0],), scores.present(sure[0]), scores[sure[0]]), scores)
+        one = scores["+".join((*known, *sure))]
+        return _parted(said("pair" if known else "named", one.ids, scores.present(sure[0]), one), scores)
     return said("ambiguous", _effects(scores, held), _sum(scores, held))
 
 
@@ -94,9 +108,9 @@ def _parted(named: Verdict, scores: Scores) -> Verdict:
     return named
 
 
-def _one_may_do(scores: Scores, pair: Hypothesis) -> bool:
+def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -> bool:
     """Whether one of a pair's effects alone is not quite refuted: the other may but mend its law."""
-    alone = [scores[name] for name in pair.ids]
+    alone = [scores["+".join((*known, name))] for name in pair]
     return any(one.p_value >= REFUTED and one.probability >= HOPELESS for one in alone)
 
 

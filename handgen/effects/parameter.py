@@ -85,6 +85,11 @@ class Parameter:
         found = self.prior.inverse(min(max(below + share * (above - below), 1e-12), 1.0 - 1e-12))
         return min(max(found, self.low), self.high)
 
+    @property
+    def deviation(self) -> float:
+        """Half of what the middle 68 % of the prior within the range span."""
+        return max((self.quantile(0.84) - self.quantile(0.16)) / 2, NOTHING)
+
     def density(self, value: float) -> float:
         """Of the prior within the range."""
         if not self.low <= value <= self.high:

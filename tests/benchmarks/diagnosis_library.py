@@ -10,6 +10,7 @@ where it was.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from handgen.discrepancy.candidates import candidates
 from handgen.discrepancy.library import Library
 from handgen.discrepancy.simulated import Simulation
 from handgen.discrepancy.worker import Bends
+from handgen.effects import catalogue
 from handgen.measurements import load_measurements
 from handgen.measurements.model import Test
 
@@ -60,6 +62,18 @@ def simulation(workers: int, say=print, level: int = len(LEVELS)) -> Simulation:
     return Simulation(measured, (*tests, *more), model, Bends(workers, say))
 
 
+TYPICAL = 0.7
+"""Quantile of its prior that every parameter has where two effects are simulated together."""
+
+
+def with_interplays(simulation: Simulation, library: Library) -> Library:
+    """`library` with what every two effects do together; a diagnosis takes the likeliest few, at their sizes."""
+    sizes = {name: {one.name: one.quantile(TYPICAL) for one in catalogue()[name].parameters}
+             for name in library.responses}
+    return simulated.together(simulation, library, {
+        two: (sizes[two[0]], sizes[two[1]]) for two in combinations(library.responses, 2)})
+
+
 def judged(path: Path) -> Library:
     """The library at `path`, with stiffness as it counts where the silicone's constants are misread.
 
@@ -97,3 +111,5 @@ if __name__ == "__main__":
     for level in range(1, len(LEVELS) + 1):
         found = library(Path(sys.argv[1]), 2, lambda line: print(line, flush=True), level)
         print(f"level {level}: {found.size} readings, {len(found.responses)} effects", flush=True)
+    with_interplays(simulation(2, lambda line: print(line, flush=True)), found).save(
+        Path(sys.argv[1]) / "library.npz")
