@@ -177,35 +177,46 @@ def test_twins_are_told_as_a_class_and_the_test_that_parts_them_is_asked_for():
 
 
 def test_what_only_another_kind_of_test_tells_apart_is_one_class_until_it_is_done(monkeypatch):
-    """However probable: a curl that creeps in is a curl to a test that only goes up."""
-    creeping = SimpleNamespace(told_by={"curl": ("hold",)})
-    monkeypatch.setattr(untold, "catalogue", lambda: {"soft": creeping})
+    """However probable: a slide that creeps in is a slide to a test that only goes up."""
+    creeping = SimpleNamespace(told_by={"slide": ("hold",)})
+    monkeypatch.setattr(untold, "catalogue", lambda: {"glide": creeping})
     wide = library((*TESTS, *MORE))
-    held = replace(wide, tests=tuple(
+    held = replace(wide, prior_odds={"glide": 0.01}, tests=tuple(
         replace(test, path="hold") if test.id == "angle" else test for test in wide.tests))
-    seen = readings(held, truth(held, curl=1.2))
+    seen = readings(held, truth(held, slide=1.2))
     found = score(held, seen)
     said = verdict(found)
-    assert (said.word, said.effects, said.untold) == ("ambiguous", ("curl", "soft"), ("curl", "soft"))
-    assert said.classes[0] == ("curl", "soft") and said.probability >= 0.9
+    assert found.present("slide") >= 0.9
+    assert (said.word, said.effects, said.untold) == ("ambiguous", ("slide", "glide"), ("slide", "glide"))
+    assert said.classes[0] == ("slide", "glide") and said.probability >= 0.9
     blunt = {"tip_drop": 0.5, "bend_angle": 1.0}
     assert ask.next_test(found, ["up", "angle"], blunt, said.untold).test == "angle"
     assert ask.next_test(found, ["up"], blunt, said.untold) is None
-    done = Readings("angle", truth(held, curl=1.2)[held.points("angle")]
+    done = Readings("angle", truth(held, slide=1.2)[held.points("angle")]
                     + np.random.default_rng(3).standard_normal((3, 3)), 0.5)
     settled = verdict(score(held, Observed((*seen.tests, done))))
-    assert (settled.word, settled.effects) == ("named", ("curl",))
+    assert (settled.word, settled.effects) == ("named", ("slide",))
+
+
+def test_what_fits_at_no_size_needs_no_other_test_to_be_told(monkeypatch):
+    monkeypatch.setattr(untold, "catalogue", lambda: {"soft": SimpleNamespace(told_by={"curl": ("hold",)})})
+    lib = library()
+    found = score(lib, readings(lib, truth(lib, curl=1.2)))
+    assert all(h.p_value < 1e-3 for h in found.hypotheses if "soft" in h.ids and "curl" not in h.ids)
+    assert verdict(found).effects == ("curl",)
 
 
 def test_what_moves_nothing_that_was_read_is_no_rival(monkeypatch):
-    lib = library()
+    """Beside a glide, which reads as the slide does, the softness fits; what moves nothing always would."""
+    lib = replace(library(), prior_odds={"glide": 0.01})
     moves = lib.responses["soft"]
     still = replace(moves, predictions=np.broadcast_to(lib.baseline, moves.predictions.shape))
-    monkeypatch.setattr(untold, "catalogue", lambda: {"soft": SimpleNamespace(told_by={"curl": ("force",)})})
-    seen = readings(lib, truth(lib, curl=1.2))
-    assert verdict(score(lib, seen)).untold == ("curl", "soft")
+    forced = SimpleNamespace(told_by={"slide": ("force",)})
+    monkeypatch.setattr(untold, "catalogue", lambda: {"soft": forced})
+    seen = readings(lib, truth(lib, slide=1.2))
+    assert verdict(score(lib, seen)).untold == ("slide", "soft")
     alone = replace(lib, responses={**lib.responses, "soft": still})
-    assert verdict(score(alone, seen)).effects == ("curl",) and not verdict(score(alone, seen)).untold
+    assert verdict(score(alone, seen)).effects == ("slide",) and not verdict(score(alone, seen)).untold
 
 
 def test_a_size_that_only_an_unread_test_cannot_predict_stays_possible():
@@ -352,10 +363,10 @@ def together(lib, excess, at=1.2):
 def test_two_effects_that_enhance_each_other_are_the_pair_where_that_was_simulated():
     """The sum of both does not fit: something unknown, until the interplay is known."""
     lib = library().without("slide", "glide")
-    excess = np.where(lib.owner == 2, 30.0 * (lib.loads / 60) * (1 - lib.loads / 60), 0.0)
+    excess = np.where(lib.owner == 2, 8.0 * np.sin(np.pi * lib.loads / 20), 0.0)
     seen = readings(lib, truth(lib, curl=1.2, soft=1.2) + excess)
     added, simulated = score(lib, seen), score(together(lib, excess), seen)
-    assert verdict(added).word != "pair"
+    assert verdict(added).word == "outside"
     said = verdict(simulated)
     assert (said.word, set(said.effects)) == ("pair", {"curl", "soft"}) and said.best.p_value > 0.05
 
@@ -378,11 +389,13 @@ def test_an_interplay_goes_with_the_product_of_both_sizes():
 
 
 def test_an_interplay_without_balance_at_a_reading_is_not_used():
+    """At one of the loads: what is known at the others is then nothing to go by either."""
     lib = library()
-    excess = np.where(lib.owner == 2, np.nan, 0.0)
+    excess = np.where(lib.owner == 2, 8.0 * np.sin(np.pi * lib.loads / 20), 0.0)
+    excess[lib.points("finger")[-1]] = np.nan
     seen = readings(lib, truth(lib, curl=1.0, soft=1.0))
-    for found in (score(together(lib, excess), seen), score(lib, seen)):
-        assert (verdict(found).word, set(verdict(found).effects)) == ("pair", {"curl", "soft"})
+    found = [score(one, seen)["curl+soft"].log_evidence for one in (together(lib, excess), lib)]
+    assert found[0] == pytest.approx(found[1])
 
 
 def with_sag(lib, size=1.0, off=0.4):
@@ -424,7 +437,7 @@ def test_beside_what_is_known_one_more_effect_is_named_by_the_readings():
     assert (said.word, said.effects, said.known) == ("pair", ("sag", "soft"), ("sag",))
     assert said.best.id == "sag+soft"
     (size,) = said.best.parameters["sag"]
-    assert size.low <= 0.8 <= size.high and size.value == pytest.approx(0.8, abs=0.2)
+    assert size.low <= 0.8 <= size.high < 1.6 and size.value == pytest.approx(0.8, abs=0.1)
     assert said.best.parameters["soft"][0].value == pytest.approx(1.2, abs=0.3)
 
 

@@ -11,6 +11,8 @@ from handgen.discrepancy.library import OUTSIDE
 from handgen.discrepancy.problem import Problem
 
 INTERVAL = (0.025, 0.975)
+REFUTED = 0.001
+"""Chance of its misfit below which an explanation is given up, whatever was believed of it before."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,11 @@ class Hypothesis:
     """Of the scored residuals, against everything that the hypothesis leaves open."""
     freedoms: int
     p_value: float
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it does not fit at any physical size."""
+        return self.p_value < REFUTED
 
     @property
     def outside(self) -> bool:

@@ -1,7 +1,8 @@
 """Effects that only a kind of test tells apart that was not done: none of them is named without the other.
 
-Silicone that has given way before its first reading is soft silicone to every test that only goes up, however
-its law runs; which of both is more probable there is no more than what was believed before.
+Silicone that has given way before its first reading is soft silicone to every test that only goes up; which
+of both is more probable there is no more than what was believed before. Only where one of them fits at no
+size that is physical, alone or beside another effect, do the readings tell by themselves.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ def untold(scores: Scores, effect: str) -> tuple[str, ...]:
     done = {test.path for test in read} | {test.quantity for test in read}
     return tuple(other for other, response in library.responses.items()
                  if (means := telling(effect, other)) and not means & done
-                 and (np.abs(response.predictions[..., rows] - library.baseline[rows]) > SEEN).any())
+                 and (np.abs(response.predictions[..., rows] - library.baseline[rows]) > SEEN).any()
+                 and not all(h.refuted for h in scores.hypotheses if other in h.ids and effect not in h.ids))
 
 
 def telling(first: str, second: str) -> set[str]:

@@ -20,9 +20,9 @@ COVERED = 0.9
 """Probability that the set of an ambiguous verdict holds together."""
 MISFIT = 0.02
 """Chance of so bad a fit below which an explanation is vetoed."""
-REFUTED, HOPELESS = 0.001, 1e-4
-"""Chance of its misfit, or else probability, below which one effect alone is given up and a second one
-named beside it."""
+HOPELESS = 1e-4
+"""Probability below which one effect alone is given up and a second one named beside it, as where it is
+refuted."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def _parted(named: Verdict, scores: Scores) -> Verdict:
 def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -> bool:
     """Whether one of a pair's effects alone is not quite refuted: the other may but mend its law."""
     alone = [scores["+".join((*known, name))] for name in pair]
-    return any(one.p_value >= REFUTED and one.probability >= HOPELESS for one in alone)
+    return any(not one.refuted and one.probability >= HOPELESS for one in alone)
 
 
 def covering(scores: Scores, share: float = COVERED) -> tuple[str, ...]:

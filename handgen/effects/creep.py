@@ -27,8 +27,8 @@ class Creep(Effect):
     parameters = (
         Parameter("rate", "1", 0.0, 0.2, 0.0, Prior("lognormal", (0.06, 0.7)),
                   "share of stiffness lost a decade of time"),
-        Parameter("onset", "s", 0.1, 30.0, 10.0, Prior("lognormal", (3.0, 1.2)),
-                  "from when on: what a tensile test takes, a second on a machine, half a minute by hand"))
+        Parameter("onset", "s", 0.05, 60.0, 10.0, Prior("lognormal", (1.5, 1.5)),
+                  "from when on: what the law's test took, tenths of a second to half a minute"))
     told_by = MappingProxyType({"silicone_softening": ("hold",)})
 
     def on_course(self, course, p):

@@ -67,7 +67,8 @@ TYPICAL = 0.7
 
 
 def with_interplays(simulation: Simulation, library: Library) -> Library:
-    """`library` with what every two effects do together; a diagnosis takes the likeliest few, at their sizes."""
+    """`library` with what every two effects do together. A diagnosis takes the likeliest few, as large as
+    they are most probable."""
     sizes = {name: {one.name: one.quantile(TYPICAL) for one in catalogue()[name].parameters}
              for name in library.responses}
     return simulated.together(simulation, library, {
