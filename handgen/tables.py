@@ -207,8 +207,8 @@ def _walls(report: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 VERDICTS = {"none": "nothing is missing that these readings could show", "named": "missing from the model",
-            "pair": "two effects are missing from the model", "ambiguous": "these readings cannot decide "
-                                                                           "between",
+            "pair": "more than one effect is missing from the model",
+            "ambiguous": "these readings cannot decide between",
             "outside": "wrong in a way that no effect of the catalogue explains"}
 
 

@@ -8,9 +8,12 @@ import pytest
 import yaml
 
 from handgen.bending.comparison import asked, observed
+from handgen.bending.model import Effect as Switch
 from handgen.bending.model import load_model
 from handgen.cli import main
-from handgen.discrepancy import worker
+from handgen.discrepancy import simulated, worker
+from handgen.discrepancy.run import PAIRS, ROUNDS
+from handgen.discrepancy.simulated import Simulation
 from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.measurements.load import load_measurements
 from tests.quick_bends import curve
@@ -25,11 +28,13 @@ def quick(monkeypatch, tmp_path):
     monkeypatch.setattr(worker, "solve", lambda asked: type("Bend", (), {"curve": curve(asked.case)}))
 
 
-def campaign(folder, share, seed=0, spoil=None):
-    """The source's tests as a finger of which so much own weight acts would have read them."""
+def campaign(folder, share, seed=0, spoil=None, effects=()):
+    """The source's tests as read of a finger of which so much own weight acts, and `effects`."""
     measured = load_measurements(COIMBRA)
     model = load_model("calibrated")[0]
-    model = model.model_copy(update={"own_weight": model.own_weight.model_copy(update={"assembly": share})})
+    model = model.model_copy(update={
+        "own_weight": model.own_weight.model_copy(update={"assembly": share}),
+        "effects": [Switch(id=name, parameters=sizes) for name, sizes in effects]})
     rng = np.random.default_rng(seed)
     data = yaml.safe_load(COIMBRA.read_text())
     data["hand"] = str(COIMBRA.parent / data["hand"])
@@ -92,6 +97,60 @@ def test_the_folder_holds_a_model_that_bends_and_a_page_that_stands_alone(tmp_pa
     shown = next(c for c in found["curves"] if c["test"] == test.id)["patched"]
     zero, gauge = found["patched"]["zero assembly tip_drop"], found["patched"]["gauge"]
     assert np.abs(np.array(again) + zero - shown).max() < 0.3 + 1.2 * abs(gauge)
+
+
+def test_beside_own_weight_the_readings_name_what_else_is_missing(tmp_path, capsys):
+    files = campaign(tmp_path, 1.0, effects=[("rest_curl", {"angle": 25.0})])
+    code, found = diagnose(capsys, *files, tmp_path / "out")
+    assert code == 1 and found["verdict"] == "pair"
+    weight, curl = found["effects"]
+    assert (weight["id"], curl["id"]) == ("own_weight", "rest_curl") and curl["probability"] >= 0.9
+    for effect, size in ((weight, 1.0), (curl, 25.0)):
+        (number,) = effect["parameters"]
+        assert number["low"] <= size <= number["high"]
+    assert sum(c["probability"] for c in found["candidates"]) == pytest.approx(1.0)
+    assert [one.id for one in load_model(found["model"])[0].effects] == ["own_weight", "rest_curl"]
+    assert found["gap"]["held_out"]["patched"] < 0.2 * found["gap"]["held_out"]["before"]
+    assert "More than one effect is missing" in (tmp_path / "out" / "diagnosis.html").read_text()
+
+
+def test_the_likeliest_pairs_are_simulated_together(tmp_path, capsys, monkeypatch):
+    asked, own = [], simulated.together
+
+    def watched(simulation, library, pairs):
+        asked.append(pairs)
+        return own(simulation, library, pairs)
+
+    monkeypatch.setattr(simulated, "together", watched)
+    measurements, _ = campaign(tmp_path, 1.0, effects=[("rest_curl", {"angle": 25.0})])
+    _, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
+    assert [len(pairs) for pairs in asked] == [PAIRS] * ROUNDS and len({*asked[0], *asked[1]}) == 2 * PAIRS
+    likely = [c["id"] for c in found["candidates"] if c["id"].count("+") == 1][:2]
+    assert set(likely) <= {"+".join(two) for pairs in asked for two in pairs}
+
+
+def test_what_two_effects_do_together_is_what_is_left_of_their_sum(tmp_path):
+    """A curl under soft silicone: turns add up here, and the tip's drop goes with exp(-turn)."""
+    measured = load_measurements(COIMBRA)
+    tests = [measured.test(name) for name in ("exoskeleton-weights", "assembly-pressure")]
+    simulation = Simulation(measured, tests, load_model("calibrated")[0], worker.Bends(1, lambda line: None))
+    library = simulated.library(simulation, only=(), members=2)
+    sizes = {"rest_curl": {"angle": 20.0}, "silicone_softening": {"softening": 0.3}}
+    wide = simulated.together(simulation, library, {tuple(sizes): tuple(sizes.values())})
+    (found,) = wide.interplays.values()
+    models = [simulation.with_effects({name: one}) for name, one in sizes.items()]
+    alone = [np.concatenate([observed(test, curve(asked(measured, test, model).case)) for test in tests])
+             - library.baseline for model in models]
+    assert found.shifts == pytest.approx(np.array(alone))
+    left = 85.0 - library.baseline
+    assert found.excess == pytest.approx(-alone[0] * alone[1] / left, abs=1e-6)
+
+
+def test_own_weight_that_the_readings_deny_is_not_named(tmp_path, capsys):
+    """The check says that it is missing; a finger that was carried after all reads otherwise."""
+    code, found = diagnose(capsys, *campaign(tmp_path, 0.0), tmp_path / "out")
+    assert (code, found["verdict"], found["effects"]) == (0, "none", [])
+    assert any("own_weight" in flag for flag in found["flags"])
 
 
 def test_nothing_missing_is_exit_0_and_names_nothing(tmp_path, capsys):

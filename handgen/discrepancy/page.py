@@ -13,7 +13,7 @@ STYLE = Path(__file__).with_name("page.css")
 WORDS = {
     "none": "Nothing is missing that these readings could show.",
     "named": "One effect is missing from the model.",
-    "pair": "Two effects are missing from the model.",
+    "pair": "More than one effect is missing from the model.",
     "ambiguous": "Several explanations fit; these readings cannot decide between them.",
     "outside": "The model is wrong in a way that no known effect explains.",
 }
