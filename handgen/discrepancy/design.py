@@ -9,8 +9,8 @@ import numpy as np
 from handgen.effects import Effect
 
 SHARES = {1: (0.001, 0.02, 0.2, 0.5, 0.8, 0.98, 0.999), 2: (0.05, 0.5, 0.95), 3: (0.1, 0.9)}
-"""Quantiles of a prior that are simulated, by the number of parameters: what lies beyond the outermost is called
-something unknown."""
+"""Quantiles of a prior that are simulated, by the number of parameters: what lies beyond the outermost is
+called something unknown."""
 FIRST = {2: (0.05, 0.35, 0.7, 0.97, 0.999)}
 """Of the first of several parameters, which is the effect's size."""
 TABLE = 201

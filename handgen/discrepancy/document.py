@@ -248,16 +248,13 @@ def _vetoed(found: Diagnosis) -> list[str]:
 
 def _beside(found: Diagnosis) -> list[str]:
     """Beside what is named, what else the readings ask for."""
-    named = found.verdict.effects
-    if found.verdict.word not in ("named", "pair"):
+    named, more = found.verdict.effects, found.verdict.more
+    if more < BESIDE:
         return []
-    more = {h.id: h.probability for h in found.scores.hypotheses
-            if set(named) <= set(h.ids) and (h.outside or len(h.ids) > len(named))}
-    if sum(more.values()) < BESIDE:
-        return []
-    first = max(more, key=more.get)
-    return [f"beside {' and '.join(named)} something more may be missing ({100 * sum(more.values()):.0f} %), "
-            f"most likely {first} ({100 * more[first]:.0f} %): these readings cannot tell"]
+    first = next(h for h in found.scores.hypotheses
+                 if set(named) <= set(h.ids) and (h.outside or len(h.ids) > len(named)))
+    return [f"beside {' and '.join(named)} something more may be missing ({100 * more:.0f} %), "
+            f"most likely {first.id} ({100 * first.probability:.0f} %): these readings cannot tell"]
 
 
 def _curves(found: Diagnosis) -> list[dict[str, Any]]:

@@ -40,6 +40,8 @@ SHORT, NEAR = 3, 6.0
 """Effects that are looked at more closely: so many at most, whose log evidence is so near the best one's."""
 PAIRS, ROUNDS = 4, 2
 """Pairs that are simulated together: so many at a time, the most probable, and so often."""
+MOST = 8
+"""Effects that the next test may tell apart, the most probable first: each is simulated in all tests."""
 DRIFT = 3.0
 """Deviations from which a drift is spoken of."""
 
@@ -132,7 +134,7 @@ def diagnose(
         patched = Refit(simulation, problem, left_open, said.best.ids, "patched").run(said.best)
     asked = None
     if said.word == "ambiguous":
-        asked = _next(wider if said.known else simulation, said, observed)
+        asked = _next(wider if said.known else simulation, scores, said, observed)
     located = tuple(locate(plain.problem.library, observed))
     return Diagnosis(
         measured,
@@ -202,16 +204,18 @@ def _sizes(hypothesis: Hypothesis, name: str) -> dict[str, float]:
     return {one.name: one.value for one in hypothesis.parameters[name]}
 
 
-def _next(simulation: Simulation, said: Verdict, observed) -> tuple[Test, Proposal] | None:
+def _next(simulation: Simulation, scores: Scores, said: Verdict,
+          observed: Observed) -> tuple[Test, Proposal] | None:
     """The test that best separates what is left."""
     asked = candidates(simulation.measured.measurements.tests)
     if not asked:
         return None
     simulation.bends.progress("which test next")
     wider = replace(simulation, tests=(*simulation.tests, *asked))
-    library = simulated.library(wider, only=said.effects, members=simulated.FEW)
-    scores = score_problem(Problem.of(library, observed))
-    proposal = next_test(scores, [test.id for test in asked], SIGMAS, said.untold)
+    likely = dict.fromkeys(name for one in said.candidates for name in scores[one].ids)
+    library = simulated.library(wider, only=list(likely)[:MOST], members=simulated.FEW)
+    again = score_problem(Problem.of(library, observed))
+    proposal = next_test(again, [test.id for test in asked], SIGMAS, said.untold)
     return None if proposal is None else (next(t for t in asked if t.id == proposal.test), proposal)
 
 

@@ -48,6 +48,9 @@ class Verdict:
     untold: tuple[str, ...] = ()
     """Effects of one class that would else be named by the first: only a test of another kind parts them."""
 
+    more: float = 0.0
+    """Probability that something is missing beside what is named."""
+
     @property
     def alike(self) -> tuple[str, ...]:
         """Explanations that these tests cannot tell from the best, itself among them."""
@@ -58,7 +61,15 @@ def verdict(scores: Scores) -> Verdict:
     """The verdict on `scores`."""
     library = scores.problem.library
     known = tuple(library.on) if all(scores.present(name) >= SURE for name in library.on) else ()
-    found = _of_readings(scores, known)
+    found = _named(scores, known)
+    more = [h.probability for h in scores.hypotheses
+            if set(found.effects) <= set(h.ids) and (h.outside or len(h.ids) > len(found.effects))]
+    return replace(found, more=sum(more)) if found.word in ("named", "pair") else found
+
+
+def _named(scores: Scores, known: tuple[str, ...]) -> Verdict:
+    """What the readings say, and what a direct check shows."""
+    library, found = scores.problem.library, _of_readings(scores, known)
     if known and found.word != "pair" and scores[library.called()].p_value >= MISFIT:
         # A direct check names it, and it fits: whatever else may be missing.
         alone = scores[library.called()]
