@@ -12,7 +12,7 @@ from handgen.bending.model import Effect as Switch
 from handgen.bending.model import load_model
 from handgen.cli import main
 from handgen.discrepancy import simulated, worker
-from handgen.discrepancy.run import PAIRS, ROUNDS
+from handgen.discrepancy.closely import PAIRS, ROUNDS
 from handgen.discrepancy.simulated import Simulation
 from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.measurements.load import load_measurements

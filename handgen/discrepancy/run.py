@@ -13,8 +13,8 @@ from handgen.bending.model import BendModel, default_name, load_model
 from handgen.discrepancy import convention, nuisance, simulated
 from handgen.discrepancy.ask import Proposal, next_test
 from handgen.discrepancy.candidates import SIGMAS, candidates
+from handgen.discrepancy.closely import closely
 from handgen.discrepancy.direct import Finding, findings, materials
-from handgen.discrepancy.hypothesis import Hypothesis
 from handgen.discrepancy.library import NONE, Library
 from handgen.discrepancy.locate import STANDS_OUT, Located, locate
 from handgen.discrepancy.observed import Observed
@@ -36,10 +36,6 @@ WORKERS = 2
 MISREAD = "wrong_convention"
 ODDS = 10.0
 """By which a direct check that points to an effect raises its odds."""
-SHORT, NEAR = 3, 6.0
-"""Effects that are looked at more closely: so many at most, whose log evidence is so near the best one's."""
-PAIRS, ROUNDS = 4, 2
-"""Pairs that are simulated together: so many at a time, the most probable, and so often."""
 MOST = 8
 """Effects that the next test may tell apart, the most probable first: each is simulated in all tests."""
 DRIFT = 3.0
@@ -120,10 +116,10 @@ def diagnose(
         progress(f"the same with {' and '.join(missing)}")
         wider = replace(simulation, on={name: catalogue()[name].filled({}) for name in missing})
         library = replace(simulated.library(wider), prior_odds=odds)
-        scores = _closely(wider, score_problem(Problem.of(library, observed)), observed)
+        scores = closely(wider, score_problem(Problem.of(library, observed)), observed)
         scores = scores.or_else(plain.without(*missing), math.prod(missing.values()))
     else:
-        scores = _closely(simulation, plain, observed)
+        scores = closely(simulation, plain, observed)
     said = verdict(scores)
     progress(f"verdict: {said.word} {', '.join(said.effects)}")
     left_open = nuisance.nuisances(list(tests))
@@ -163,45 +159,6 @@ def _odds(model: BendModel, measured: Measured, found: Sequence[Finding]) -> dic
     if read is not None:
         odds[MISREAD] = max(read, odds.get(MISREAD, 0.0))
     return odds
-
-
-def _closely(simulation: Simulation, scores: Scores, observed: Observed) -> Scores:
-    """`scores` anew, with what is open simulated with the likeliest effects on, and the likeliest pairs
-    together."""
-    library = simulated.localised(simulation, scores.problem.library, _shortlist(scores))
-    scores = score_problem(Problem.of(library, observed))
-    for _ in range(ROUNDS):
-        library = simulated.together(simulation, library, _pairs(scores))
-        scores = score_problem(Problem.of(library, observed))
-    return scores
-
-
-def _shortlist(scores: Scores) -> dict[str, dict[str, float]]:
-    """Effects that may yet win, or that a direct check points to, each with its most probable parameters."""
-    on, odds = scores.problem.library.on, scores.problem.library.prior_odds
-    single = sorted((h for h in scores.hypotheses if len(_beside(h, on)) == 1),
-                    key=lambda h: h.log_evidence + np.log(odds.get(*_beside(h, on), 1.0)), reverse=True)
-    best = max((h.log_evidence for h in single), default=0.0)
-    kept = [h for h in single if h.log_evidence + np.log(odds.get(*_beside(h, on), 1.0)) > best - NEAR]
-    return {name: _sizes(h, name) for h in kept[:SHORT] for name in _beside(h, on)}
-
-
-def _pairs(scores: Scores) -> dict[tuple[str, str], tuple[dict[str, float], dict[str, float]]]:
-    """The most probable pairs that were not simulated together yet, with their most probable parameters."""
-    library = scores.problem.library
-    found = [h for h in scores.hypotheses
-             if len(two := _beside(h, library.on)) == 2 and two not in library.interplays]
-    return {two: (_sizes(h, two[0]), _sizes(h, two[1]))
-            for h in found[:PAIRS] for two in [_beside(h, library.on)]}
-
-
-def _beside(hypothesis: Hypothesis, on: Sequence[str]) -> tuple[str, ...]:
-    """Its effects beside those that are on anyway."""
-    return tuple(name for name in hypothesis.ids if name not in on)
-
-
-def _sizes(hypothesis: Hypothesis, name: str) -> dict[str, float]:
-    return {one.name: one.value for one in hypothesis.parameters[name]}
 
 
 def _next(simulation: Simulation, scores: Scores, said: Verdict,

@@ -1,0 +1,62 @@
+"""The likeliest explanations simulated more closely than the others.
+
+A finger that hangs by its own weight asks for its stiffness where a weightless one does not, and two effects
+do not quite add up: both are simulated for those effects and pairs that may yet win.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from handgen.discrepancy import simulated
+from handgen.discrepancy.hypothesis import Hypothesis
+from handgen.discrepancy.observed import Observed
+from handgen.discrepancy.problem import Problem
+from handgen.discrepancy.score import Scores, score_problem
+from handgen.discrepancy.simulated import Simulation
+
+SHORT, NEAR = 3, 6.0
+"""Effects that are simulated anew: so many at most, whose log evidence is so near the best one's."""
+PAIRS, ROUNDS = 4, 2
+"""Pairs that are simulated together: so many at a time, the most probable, and so often."""
+
+
+def closely(simulation: Simulation, scores: Scores, observed: Observed) -> Scores:
+    """`scores` anew, with what is open simulated with the likeliest effects on, and the likeliest pairs
+    together."""
+    library = simulated.localised(simulation, scores.problem.library, _shortlist(scores))
+    scores = score_problem(Problem.of(library, observed))
+    for _ in range(ROUNDS):
+        library = simulated.together(simulation, library, _pairs(scores))
+        scores = score_problem(Problem.of(library, observed))
+    return scores
+
+
+def _shortlist(scores: Scores) -> dict[str, dict[str, float]]:
+    """Effects that may yet win, or that a direct check points to, each with its most probable parameters."""
+    on, odds = scores.problem.library.on, scores.problem.library.prior_odds
+    single = sorted((h for h in scores.hypotheses if len(_beside(h, on)) == 1),
+                    key=lambda h: h.log_evidence + np.log(odds.get(*_beside(h, on), 1.0)), reverse=True)
+    best = max((h.log_evidence for h in single), default=0.0)
+    kept = [h for h in single if h.log_evidence + np.log(odds.get(*_beside(h, on), 1.0)) > best - NEAR]
+    return {name: _sizes(h, name) for h in kept[:SHORT] for name in _beside(h, on)}
+
+
+def _pairs(scores: Scores) -> dict[tuple[str, str], tuple[dict[str, float], dict[str, float]]]:
+    """The most probable pairs that were not simulated together yet, with their most probable parameters."""
+    library = scores.problem.library
+    found = [h for h in scores.hypotheses
+             if len(two := _beside(h, library.on)) == 2 and two not in library.interplays]
+    return {two: (_sizes(h, two[0]), _sizes(h, two[1]))
+            for h in found[:PAIRS] for two in [_beside(h, library.on)]}
+
+
+def _beside(hypothesis: Hypothesis, on: Sequence[str]) -> tuple[str, ...]:
+    """Its effects beside those that are on anyway."""
+    return tuple(name for name in hypothesis.ids if name not in on)
+
+
+def _sizes(hypothesis: Hypothesis, name: str) -> dict[str, float]:
+    return {one.name: one.value for one in hypothesis.parameters[name]}
