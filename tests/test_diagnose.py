@@ -146,6 +146,17 @@ def test_what_two_effects_do_together_is_what_is_left_of_their_sum(tmp_path):
     assert found.excess == pytest.approx(-alone[0] * alone[1] / left, abs=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_open_stays_a_covariance_where_an_effect_finds_no_balance(seed):
+    rng = np.random.default_rng(seed)
+    new, old = ((lambda a: a @ a.T)(rng.standard_normal((12, 3)) * [1.0, 3.0, 9.0]) for _ in range(2))
+    there = rng.random(12) < 0.8
+    found = simulated.where_known(there, new, old)
+    assert np.linalg.eigvalsh(found).min() > -1e-9
+    assert (found[np.ix_(there, there)] == new[np.ix_(there, there)]).all()
+    assert (found[np.ix_(~there, ~there)] == old[np.ix_(~there, ~there)]).all()
+
+
 def test_own_weight_that_the_readings_deny_is_not_named(tmp_path, capsys):
     """The check says that it is missing; a finger that was carried after all reads otherwise."""
     code, found = diagnose(capsys, *campaign(tmp_path, 0.0), tmp_path / "out")

@@ -23,7 +23,7 @@ SEEDS = range(500, 504)
 
 @pytest.fixture(scope="module")
 def library() -> Library:
-    return diagnosis_library.judged(diagnosis_library.SHIPPED)
+    return Library.load(diagnosis_library.SHIPPED)
 
 
 def said(draw: Draw, library: Library):

@@ -232,8 +232,17 @@ def localised(simulation: Simulation, library: Library, values: dict[str, dict[s
         there = np.isfinite(slopes).all(axis=1)
         found[name] = replace(
             found[name], jacobian=np.where(there[:, None], slopes, library.jacobian),
-            structural=np.where(there[:, None] & there[None, :], spread, library.structural))
+            structural=where_known(there, spread, library.structural))
     return replace(library, responses=found)
+
+
+def where_known(there: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarray:
+    """(n, n) covariance: `new` between points that are `there`, `old` between the others, none across.
+
+    Two covariances that are mixed otherwise need not be one.
+    """
+    both, neither = there[:, None] & there[None, :], ~there[:, None] & ~there[None, :]
+    return np.where(both, new, np.where(neither, old, 0.0))
 
 
 def together(simulation: Simulation, library: Library,

@@ -27,13 +27,13 @@ class BoreFriction(Effect):
                  "parts are untouched")
     source = ("Section 5.2.3 lets it slide without friction; dry silicone rubber slides at 1 and more: "
               "Tribology Transactions 53 (2010) 1-6; round holes out of a nozzle are some 0.1 to 0.3 mm "
-              "narrower than drawn, and TPU shrinks by 0.5 to 1 % (assumed)")
+              "narrower than drawn unless compensated, and TPU shrinks by 0.5 to 1 % (assumed)")
     settle = ("read the assembly going down as well as up; or powder the actuator with talc and read again; "
               "measure bore and actuator with a calliper")
     parameters = (
         Parameter("more", "1", 0.0, 1.5, 0.0, Prior("lognormal", (0.6, 0.5)),
                   "Coulomb's coefficient beyond the model's"),
-        Parameter("grip", "mm", 0.0, 0.25, 0.0, Prior("normal", (0.1, 0.06)),
+        Parameter("grip", "mm", 0.0, 0.25, 0.0, Prior("normal", (0.06, 0.07)),
                   "by which the bore's radius is too small for its actuator"))
 
     def on_case(self, case, p):

@@ -166,7 +166,7 @@ def main() -> None:
     file = asked.folder / "deep.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
     done = {(row["hidden"][0], row["seed"]) for row in rows}
-    library = diagnosis_library.judged(asked.library)
+    library = Library.load(asked.library)
     whole = diagnosis_library.simulation(asked.workers)
     for seed in range(FIRST, FIRST + asked.draws):
         for effect in asked.effects or catalogue():
