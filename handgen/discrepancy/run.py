@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -93,17 +93,9 @@ def diagnose(
     subject = load_model(model if model is not None else default_name())[0]
     tests, held_out, remarks = chosen(measured.measurements.tests)
     if not tests:
-        raise InputError(
-            [
-                Wrong(
-                    str(measured.file),
-                    "tests",
-                    None,
-                    "all are held out: nothing can be diagnosed",
-                    "a test with `held_out: false`",
-                )
-            ]
-        )
+        all_held_out = "all are held out: nothing can be diagnosed"
+        raise InputError([Wrong(str(measured.file), "tests", None, all_held_out,
+                                "a test with `held_out: false`")])
     bends = Bends(workers, progress)
     simulation = Simulation(measured, tests, subject, bends, seed)
     observed = observed_of(tests)
@@ -113,13 +105,9 @@ def diagnose(
     missing = {one.effect: one.probability for one in found
                if one.probability is not None and one.effect in plain.problem.library.responses}
     if missing:
-        progress(f"the same with {' and '.join(missing)}")
-        wider = replace(simulation, on={name: catalogue()[name].filled({}) for name in missing})
-        library = replace(simulated.library(wider), prior_odds=odds)
-        scores = closely(wider, score_problem(Problem.of(library, observed)), observed)
-        scores = scores.or_else(plain.without(*missing), math.prod(missing.values()))
+        wider, scores = _with_missing(simulation, plain, missing, observed)
     else:
-        scores = closely(simulation, plain, observed)
+        wider, scores = simulation, closely(simulation, plain, observed)
     said = verdict(scores)
     progress(f"verdict: {said.word} {', '.join(said.effects)}")
     left_open = nuisance.nuisances(list(tests))
@@ -159,6 +147,20 @@ def _odds(model: BendModel, measured: Measured, found: Sequence[Finding]) -> dic
     if read is not None:
         odds[MISREAD] = max(read, odds.get(MISREAD, 0.0))
     return odds
+
+
+def _with_missing(simulation: Simulation, plain: Scores, missing: Mapping[str, float],
+                  observed: Observed) -> tuple[Simulation, Scores]:
+    """(`simulation` with the `missing` effects on; what may be missing beside them, or else without them).
+
+    `missing`: effects that a direct check shows to be missing, with its probability; `plain`: scores of the
+    model as it is.
+    """
+    simulation.bends.progress(f"the same with {' and '.join(missing)}")
+    wider = replace(simulation, on={name: catalogue()[name].filled({}) for name in missing})
+    library = replace(simulated.library(wider), prior_odds=plain.problem.library.prior_odds)
+    scores = closely(wider, score_problem(Problem.of(library, observed)), observed)
+    return wider, scores.or_else(plain.without(*missing), math.prod(missing.values()))
 
 
 def _next(simulation: Simulation, scores: Scores, said: Verdict,
