@@ -135,8 +135,11 @@ def test_silicone_that_was_stretched_lies_further_out_coming_down(plain):
 
 def test_a_held_finger_creeps_by_the_same_share_a_decade():
     case = asked("actuator", "creep", "hold", pressures=[30, 30, 30], orientation="weightless", rate=0.05,
-                 times=[90.0, 990.0, 9990.0])
+                 onset=10.0, times=[90.0, 990.0, 9990.0])
     assert case.softening == pytest.approx([0.05, 0.10, 0.15])
+    sooner = asked("actuator", "creep", "hold", pressures=[30, 30, 30], orientation="weightless", rate=0.05,
+                   onset=1.0, times=[9.0, 99.0, 999.0])
+    assert sooner.softening == pytest.approx(case.softening)
     first, second, third = curve("elongation", case)
     softer = elongation("silicone_softening", pressures=[30], softening=0.10)
     assert first < second < third
@@ -219,3 +222,14 @@ def test_friction_leaves_a_loop():
     smooth = asked("assembly", path="cycle", pressures=[10, 30, 10])
     smooth = simulate(replace(smooth, contact=replace(smooth.contact, friction=0.0)))
     assert smooth.states[2].bend_angle == pytest.approx(smooth.states[0].bend_angle, abs=1e-4)
+
+
+def test_a_finger_whose_bore_grips_hangs_higher_at_rest_and_under_pressure_as_far():
+    """Friction alone has nothing that presses at rest."""
+    rests = {}
+    for more, grip in ((0.0, 0.0), (0.6, 0.0), (0.6, 0.08)):
+        rests[more, grip] = curve("tip_drop", asked("assembly", "bore_friction", pressures=[0, 60], more=more,
+                                                    grip=grip))
+    plain, rubbing, gripped = rests.values()
+    assert abs(rubbing[0] - plain[0]) < 0.6 and gripped[0] < plain[0] - 1.0
+    assert abs(gripped[1] - rubbing[1]) < 1.0
