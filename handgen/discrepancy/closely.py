@@ -29,7 +29,9 @@ def closely(simulation: Simulation, scores: Scores, observed: Observed) -> Score
     library = simulated.localised(simulation, scores.problem.library, _shortlist(scores))
     scores = score_problem(Problem.of(library, observed))
     for _ in range(ROUNDS):
-        library = simulated.together(simulation, library, _pairs(scores))
+        if not (pairs := _pairs(scores)):
+            break
+        library = simulated.together(simulation, library, pairs)
         scores = score_problem(Problem.of(library, observed))
     return scores
 

@@ -251,8 +251,7 @@ def _beside(found: Diagnosis) -> list[str]:
     named, more = found.verdict.effects, found.verdict.more
     if more < BESIDE:
         return []
-    first = next(h for h in found.scores.hypotheses
-                 if set(named) <= set(h.ids) and (h.outside or len(h.ids) > len(named)))
+    first = next(h for h in found.scores.hypotheses if h.more_than(named))
     return [f"beside {' and '.join(named)} something more may be missing ({100 * more:.0f} %), "
             f"most likely {first.id} ({100 * first.probability:.0f} %): these readings cannot tell"]
 

@@ -49,13 +49,17 @@ class Hypothesis:
 
     @property
     def refuted(self) -> bool:
-        """Whether it does not fit at any physical size."""
+        """Whether it does not fit even at its most probable size."""
         return self.p_value < REFUTED
 
     @property
     def outside(self) -> bool:
         """Whether something is in it that no effect explains."""
         return self.id.split("+")[-1] == OUTSIDE
+
+    def more_than(self, effects: Sequence[str]) -> bool:
+        """Whether it holds all of `effects`, and something beside them."""
+        return set(effects) <= set(self.ids) and (self.outside or len(self.ids) > len(effects))
 
 
 @dataclass(frozen=True)

@@ -248,8 +248,6 @@ def where_known(there: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarr
 def together(simulation: Simulation, library: Library,
              pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
     """`library` with what two effects do together, of each of `pairs` at these sizes of both."""
-    if not pairs:
-        return library
     wanted = [effects for (a, b), (first, second) in pairs.items()
               for effects in ({a: first, b: second}, {a: first}, {b: second})]
     rows = [simulation.row(simulation.with_effects(effects)) for effects in wanted]

@@ -62,9 +62,9 @@ def verdict(scores: Scores) -> Verdict:
     library = scores.problem.library
     known = tuple(library.on) if all(scores.present(name) >= SURE for name in library.on) else ()
     found = _named(scores, known)
-    more = [h.probability for h in scores.hypotheses
-            if set(found.effects) <= set(h.ids) and (h.outside or len(h.ids) > len(found.effects))]
-    return replace(found, more=sum(more)) if found.word in ("named", "pair") else found
+    if found.word not in ("named", "pair"):
+        return found
+    return replace(found, more=sum(h.probability for h in scores.hypotheses if h.more_than(found.effects)))
 
 
 def _named(scores: Scores, known: tuple[str, ...]) -> Verdict:
@@ -99,10 +99,10 @@ def _of_readings(scores: Scores, known: tuple[str, ...]) -> Verdict:
     if len(beside) == 2 and best.probability >= SURE and not _one_may_do(scores, known, beside):
         return _parted(said("pair", best.ids, best.probability), scores)
     # One effect may be certain where it is open whether another one is there as well
-    sure = [name for name in beside if scores.present(name) >= SURE
-            and scores["+".join((*known, name))].p_value >= MISFIT]
+    sure = [name for name in beside
+            if scores.present(name) >= SURE and _alone(scores, known, name).p_value >= MISFIT]
     if len(sure) == 1:
-        one = scores["+".join((*known, *sure))]
+        one = _alone(scores, known, sure[0])
         return _parted(said("pair" if known else "named", one.ids, scores.present(sure[0]), one), scores)
     return said("ambiguous", _effects(scores, held), _sum(scores, held))
 
@@ -121,8 +121,13 @@ def _parted(named: Verdict, scores: Scores) -> Verdict:
 
 def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -> bool:
     """Whether one of a pair's effects alone is not quite refuted: the other may but mend its law."""
-    alone = [scores["+".join((*known, name))] for name in pair]
+    alone = [_alone(scores, known, name) for name in pair]
     return any(not one.refuted and one.probability >= HOPELESS for one in alone)
+
+
+def _alone(scores: Scores, known: tuple[str, ...], name: str) -> Hypothesis:
+    """One effect and no other beside those that are known."""
+    return scores["+".join((*known, name))]
 
 
 def covering(scores: Scores, share: float = COVERED) -> tuple[str, ...]:

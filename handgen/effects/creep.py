@@ -22,7 +22,7 @@ class Creep(Effect):
     signature = ("under a held pressure the finger moves on, as much from 1 to 10 minutes as before; later "
                  "readings of a row lie further out than earlier ones; not the bare exoskeleton")
     source = ("A. N. Gent (ed.), Engineering with Rubber: rubbers relax by a few percent a decade of time; "
-              "the source notes no times")
+              "the source notes no times, nor how long the tests of its laws took (onset: assumed)")
     settle = "hold the free actuator at 40 kPa and read it after 10 s, 1 min and 10 min"
     parameters = (
         Parameter("rate", "1", 0.0, 0.2, 0.0, Prior("lognormal", (0.06, 0.7)),
