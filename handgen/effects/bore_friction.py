@@ -14,8 +14,9 @@ MOST = 2.0
 class BoreFriction(Effect):
     """Adds to the model's coefficient, in a bore that may be too narrow for its actuator.
 
-    Friction needs something that presses: pressure does, and at rest a bore that came out too small. An
-    actuator that is gripped bends with its strips, and the unloaded finger hangs higher.
+    Friction needs something that presses: pressure does, and at rest, where own weight does but little, a
+    bore that came out too small. An actuator that is gripped bends with its strips, and the unloaded finger
+    hangs higher.
     """
 
     id = "bore_friction"
