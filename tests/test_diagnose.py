@@ -115,13 +115,13 @@ def test_beside_own_weight_the_readings_name_what_else_is_missing(tmp_path, caps
 
 
 def test_the_likeliest_pairs_are_simulated_together(tmp_path, capsys, monkeypatch):
-    asked, own = [], simulated.together
+    asked, own = [], Simulation.together
 
     def watched(simulation, library, pairs):
         asked.append(pairs)
         return own(simulation, library, pairs)
 
-    monkeypatch.setattr(simulated, "together", watched)
+    monkeypatch.setattr(Simulation, "together", watched)
     measurements, _ = campaign(tmp_path, 1.0, effects=[("rest_curl", {"angle": 25.0})])
     _, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
     assert [len(pairs) for pairs in asked] == [PAIRS] * ROUNDS and len({*asked[0], *asked[1]}) == 2 * PAIRS
@@ -136,7 +136,7 @@ def test_what_two_effects_do_together_is_what_is_left_of_their_sum(tmp_path):
     simulation = Simulation(measured, tests, load_model("calibrated")[0], worker.Bends(1, lambda line: None))
     library = simulated.library(simulation, only=(), members=2)
     sizes = {"rest_curl": {"angle": 20.0}, "silicone_softening": {"softening": 0.3}}
-    wide = simulated.together(simulation, library, {tuple(sizes): tuple(sizes.values())})
+    wide = simulation.together(library, {tuple(sizes): tuple(sizes.values())})
     (found,) = wide.interplays.values()
     models = [simulation.with_effects({name: one}) for name, one in sizes.items()]
     alone = [np.concatenate([observed(test, curve(asked(measured, test, model).case)) for test in tests])

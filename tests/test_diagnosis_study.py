@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 from handgen.discrepancy.library import Library
-from handgen.discrepancy.problem import Problem
-from handgen.discrepancy.score import score_problem
 from handgen.discrepancy.verdict import verdict
-from tests.benchmarks import diagnosis, diagnosis_library, diagnosis_table
+from tests.benchmarks import diagnosis, diagnosis_close, diagnosis_library, diagnosis_table
 from tests.benchmarks.diagnosis_draws import Draw, checked, hidden
 from tests.worlds.effects import EFFECTS
 from tests.worlds.outside import OUTSIDE
@@ -26,9 +24,17 @@ def library() -> Library:
     return Library.load(diagnosis_library.SHIPPED)
 
 
-def said(draw: Draw, library: Library):
-    found = hidden(draw, library, draw.ids)
-    return verdict(score_problem(Problem.of(checked(library, found), found.observed())))
+@pytest.fixture(scope="module")
+def kept() -> diagnosis_close.Kept:
+    return diagnosis_close.Kept.load(diagnosis_close.SHIPPED)
+
+
+@pytest.fixture
+def said(library, kept):
+    def of(draw: Draw):
+        found = hidden(draw, library, draw.ids)
+        return verdict(diagnosis.scored(checked(library, found), kept, found.observed()))
+    return of
 
 
 def test_the_library_answers_the_study_s_tests_for_all_effects(library):
@@ -38,39 +44,40 @@ def test_the_library_answers_the_study_s_tests_for_all_effects(library):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_nothing_hidden_is_never_named(library, seed):
-    assert said(Draw("none", (), seed, ids=diagnosis.GIVEN), library).word not in diagnosis_table.NAMING
+def test_nothing_hidden_is_never_named(said, seed):
+    assert said(Draw("none", (), seed, ids=diagnosis.GIVEN)).word not in diagnosis_table.NAMING
 
 
 @pytest.mark.parametrize("name", OUTSIDE)
-def test_what_no_effect_explains_is_never_named(library, name):
-    found = said(Draw("outside", (name,), SEEDS[0], ids=diagnosis.GIVEN), library)
+def test_what_no_effect_explains_is_never_named(said, name):
+    found = said(Draw("outside", (name,), SEEDS[0], ids=diagnosis.GIVEN))
     assert found.word not in diagnosis_table.NAMING
 
 
 @pytest.mark.parametrize("name", ["own_weight", "rest_curl", "asymmetric_winding"])
-def test_what_moves_the_finger_far_is_mostly_named_and_never_something_else(library, name):
+def test_what_moves_the_finger_far_is_mostly_named_and_never_something_else(said, name):
     """Effects that the source's three tests can tell from the others."""
-    found = [said(Draw("single", (name,), seed, ids=diagnosis.GIVEN), library) for seed in SEEDS]
+    found = [said(Draw("single", (name,), seed, ids=diagnosis.GIVEN)) for seed in SEEDS]
     named = [one for one in found if one.word == "named"]
     assert named and all(one.effects == (name,) for one in named)
     assert all(name in one.effects for one in found if one.word == "pair")
 
 
-def test_misread_constants_are_told_from_soft_silicone_by_the_data_sheet(library):
+def test_misread_constants_are_told_from_soft_silicone_by_the_data_sheet(said):
     """To every test of a finger they are one thing."""
-    said_of = [(name, said(Draw("single", (name,), seed, ids=diagnosis.GIVEN), library))
+    said_of = [(name, said(Draw("single", (name,), seed, ids=diagnosis.GIVEN)))
                for name in ("wrong_convention", "silicone_softening") for seed in SEEDS]
     assert any(one.effects == ("wrong_convention",) for _, one in said_of if one.word == "named")
     assert not any(one.word == "named" and one.effects != (name,) for name, one in said_of)
 
 
-def test_a_stopped_study_goes_on_where_it_was(tmp_path, library):
+def test_a_stopped_study_goes_on_where_it_was(tmp_path):
     draws = [draw for draw in diagnosis.plan(500, 0.005) if draw.kind in ("none", "outside")]
     rows = tmp_path / "rows.jsonl"
-    diagnosis.study(draws[:2], diagnosis_library.SHIPPED, rows, 1)
+    files = diagnosis_library.SHIPPED, diagnosis_close.SHIPPED
+    diagnosis.study(draws[:2], *files, rows, 1)
     before = rows.read_text()
-    diagnosis.study(draws[:3], diagnosis_library.SHIPPED, rows, 1)
+    diagnosis.study(draws[:3], *files, rows, 1)
     assert rows.read_text().startswith(before)
     found = [json.loads(line) for line in rows.read_text().splitlines()]
     assert {row["key"] for row in found} == {draw.key for draw in draws[:3]} and len(found) == 3
@@ -98,3 +105,35 @@ def test_a_name_for_what_was_struck_off_is_counted_apart_where_both_were_one_cla
     row = {"effects": [named], "hidden": ["contact_angle"],
            "whole": [["contact_angle", "base_compliance", "outside"], ["own_weight"]]}
     assert diagnosis_table.reported_as_one(row) is as_one
+
+
+def test_what_is_open_goes_from_none_to_a_large_effect_and_an_interplay_is_the_nearest(tmp_path, library, kept):
+    """Of one sign as of the other; a file keeps it to single precision."""
+    kept.save(tmp_path / "close.npz")
+    for one in (kept, diagnosis_close.Kept.load(tmp_path / "close.npz")):
+        for open_ in one.opens["asymmetric_winding"]:
+            for share, other in ((0.0, library), (0.5, None), (1.0, open_), (1.2, open_)):
+                wide = one.localised(library, {"asymmetric_winding": {"offset": share * open_.size}})
+                found = wide.responses["asymmetric_winding"].jacobian
+                wanted = (library.jacobian + open_.jacobian) / 2 if other is None else other.jacobian
+                assert found == pytest.approx(wanted, rel=1e-6, abs=1e-9)
+        two = "rest_curl", "asymmetric_winding"
+        for near in one.twos[two]:
+            sizes = {"angle": near.sizes[0] + 1.0}, {"offset": 1.05 * near.sizes[1]}
+            found = one.together(library, {two: sizes}).interplays[two]
+            assert found.excess == pytest.approx(near.interplay.excess, rel=1e-6, nan_ok=True)
+    signs = {tuple(np.sign(near.sizes)) for near in kept.twos[two]}
+    assert signs == {(1.0, -1.0), (1.0, 1.0)} and len(kept.twos[two]) == 4
+
+
+def test_the_study_judges_as_a_diagnosis_does(library, kept, monkeypatch):
+    """The likeliest effects and pairs go through `closely`."""
+    asked = []
+    monkeypatch.setattr(diagnosis_close.Kept, "together",
+                        lambda self, library, pairs, own=diagnosis_close.Kept.together:
+                        asked.append(set(pairs)) or own(self, library, pairs))
+    draw = Draw("pair", ("rest_curl", "asymmetric_winding"), SEEDS[0], ids=diagnosis.GIVEN)
+    found = hidden(draw, library, draw.ids)
+    scores = diagnosis.scored(library, kept, found.observed())
+    assert asked and set().union(*asked) <= set(scores.problem.library.interplays)
+    assert any(one.local for one in scores.problem.library.responses.values())

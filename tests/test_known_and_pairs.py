@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from handgen.discrepancy import law
+from handgen.discrepancy import ask, law
 from handgen.discrepancy.library import Interplay, Library, size_name
 from handgen.discrepancy.pairs import Together, coarsened
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import score, score_problem
-from handgen.discrepancy.verdict import verdict
-from tests.small_library import library, readings, truth
+from handgen.discrepancy.verdict import SURE, verdict
+from tests.small_library import MORE, TESTS, library, readings, truth
 
 
 def together(lib, excess, at=1.2):
@@ -56,6 +56,20 @@ def test_an_interplay_without_balance_at_a_reading_is_not_used():
     seen = readings(lib, truth(lib, curl=1.0, soft=1.0))
     found = [score(one, seen)["curl+soft"].log_evidence for one in (together(lib, excess), lib)]
     assert found[0] == pytest.approx(found[1])
+
+
+@pytest.mark.parametrize("soft", [0.5, 0.8])
+def test_a_pair_that_is_likelier_than_the_one_effect_that_is_named_is_asked_about(soft):
+    """The curl alone fits, so it is named; a test tells the two apart however sure it seems."""
+    lib = library((*TESTS, *MORE))
+    scores = score(lib, readings(lib, truth(lib, curl=0.7, soft=soft)))
+    said = verdict(scores)
+    assert (said.word, said.effects, said.or_both) == ("named", ("curl",), ("curl", "curl+soft"))
+    assert said.more > SURE
+    told = ask.next_test(scores, ["angle", "up"], {"bend_angle": 1.0, "tip_drop": 0.5}, or_both=said.or_both)
+    assert set(told.separates) == {"curl", "curl+soft"} and told.gain > 0.1
+    sure = verdict(score(lib, readings(lib, truth(lib, curl=1.0, soft=1.0))))
+    assert sure.word == "pair" and not sure.or_both
 
 
 def with_sag(lib, size=1.0, off=0.4):

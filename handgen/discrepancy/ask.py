@@ -38,15 +38,18 @@ class Proposal:
 
 
 def next_test(scores: Scores, candidates: Sequence[str], sigmas: Mapping[str, float],
-              untold: Sequence[str] = ()) -> Proposal | None:
+              untold: Sequence[str] = (), or_both: Sequence[str] = ()) -> Proposal | None:
     """The best of `candidates`, tests of the library that were not done yet; None if none tells anything.
 
-    `sigmas`: of a mean reading, by quantity, in its unit. `untold`: effects that are to be parted first.
+    `sigmas`: of a mean reading, by quantity, in its unit. `untold`: effects that are to be parted first, or
+    else the explanations `or_both`, however probable each of them is.
     """
     if untold:
         means = set().union(*(telling(*two) for two in combinations(untold, 2)))
         able = {test.id for test in scores.problem.library.tests if {test.path, test.quantity} & means}
         scores, candidates = _even(scores, untold), [name for name in candidates if name in able]
+    elif or_both:
+        scores = _even(scores, or_both)
     found = [proposal(scores, name, sigmas) for name in candidates]
     best = max(found, key=lambda one: one.gain, default=None)
     return best if best is not None and best.gain >= WORTH else None

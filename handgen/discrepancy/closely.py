@@ -6,16 +6,16 @@ do not quite add up: both are simulated for those effects and pairs that may yet
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
-from handgen.discrepancy import simulated
 from handgen.discrepancy.hypothesis import Hypothesis
+from handgen.discrepancy.library import Library, Sizes
 from handgen.discrepancy.observed import Observed
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import Scores, score_problem
-from handgen.discrepancy.simulated import Simulation
 
 SHORT, NEAR = 3, 6.0
 """Effects that are simulated anew: so many at most, whose log evidence is so near the best one's."""
@@ -23,15 +23,25 @@ PAIRS, ROUNDS = 4, 2
 """Pairs that are simulated together: so many at a time, the most probable, and so often."""
 
 
-def closely(simulation: Simulation, scores: Scores, observed: Observed) -> Scores:
+class Anew(Protocol):
+    """What simulates anew: `simulated.Simulation`."""
+
+    def localised(self, library: Library, values: Mapping[str, Sizes]) -> Library:
+        """`library` with what is open as it is with each effect on, at its `values`."""
+
+    def together(self, library: Library, pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
+        """`library` with what two effects do together, of each of `pairs` at these sizes of both."""
+
+
+def closely(simulation: Anew, scores: Scores, observed: Observed) -> Scores:
     """`scores` anew, with what is open simulated with the likeliest effects on, and the likeliest pairs
     together."""
-    library = simulated.localised(simulation, scores.problem.library, _shortlist(scores))
+    library = simulation.localised(scores.problem.library, _shortlist(scores))
     scores = score_problem(Problem.of(library, observed))
     for _ in range(ROUNDS):
         if not (pairs := _pairs(scores)):
             break
-        library = simulated.together(simulation, library, pairs)
+        library = simulation.together(library, pairs)
         scores = score_problem(Problem.of(library, observed))
     return scores
 

@@ -24,6 +24,8 @@ RESPONSE = ("predictions", "jacobian", "structural")
 """Arrays of a Response, in their order there."""
 NONE, OUTSIDE = "none", "outside"
 """Explanations beside the effects: nothing is missing, something that no effect explains."""
+Sizes = Mapping[str, float]
+"""Parameters of an effect by name."""
 
 
 @dataclass(frozen=True)

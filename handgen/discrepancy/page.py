@@ -219,13 +219,13 @@ def _next(d: dict[str, Any]) -> Iterator[str]:
     if d["next_test"] is not None:
         yield (f"<p>{escape(d['next_test']['words'].capitalize())}. It tells apart: "
                f"{escape(', '.join(d['next_test']['separates']))}.</p>")
-    elif d["verdict"] in ("named", "pair"):
+    if d["verdict"] in ("named", "pair"):
         direct = "; ".join(escape(e["settle"]) for e in d["effects"])
         yield f"<p>To settle it without any model: {direct}.</p>"
     elif d["verdict"] == "outside":
         yield ("<p>No test can be proposed for what is unknown. Repeat the test that is furthest off, with "
                "more loads where it is, and look at what the finger does there.</p>")
-    else:
+    elif d["next_test"] is None:
         yield "<p>No test on these set-ups would decide.</p>"
     if d["measure_directly"] is not None:
         one = d["measure_directly"]

@@ -117,7 +117,7 @@ def diagnose(
         problem = scores.problem if said.known else plain.problem
         patched = Refit(simulation, problem, left_open, said.best.ids, "patched").run(said.best)
     asked = None
-    if said.word == "ambiguous":
+    if said.word == "ambiguous" or said.or_both:
         asked = _next(wider if said.known else simulation, scores, said, observed)
     located = tuple(locate(plain.problem.library, observed))
     return Diagnosis(
@@ -174,7 +174,7 @@ def _next(simulation: Simulation, scores: Scores, said: Verdict,
     likely = dict.fromkeys(name for one in said.candidates for name in scores[one].ids)
     library = simulated.library(wider, only=list(likely)[:MOST], members=simulated.FEW)
     again = score_problem(Problem.of(library, observed))
-    proposal = next_test(again, [test.id for test in asked], SIGMAS, said.untold)
+    proposal = next_test(again, [test.id for test in asked], SIGMAS, said.untold, said.or_both)
     return None if proposal is None else (next(t for t in asked if t.id == proposal.test), proposal)
 
 

@@ -17,7 +17,7 @@ from handgen.bending.model import BendModel
 from handgen.bending.model import Effect as Switch
 from handgen.bending.request import Request
 from handgen.discrepancy import design, nuisance, tolerance
-from handgen.discrepancy.library import Interplay, Library, Response, Series, same_state, size_name
+from handgen.discrepancy.library import Interplay, Library, Response, Series, Sizes, same_state, size_name
 from handgen.discrepancy.worker import Bends
 from handgen.effects import Parameter, catalogue
 from handgen.errors import EngineError, InputError
@@ -38,11 +38,6 @@ LOCAL = 16
 """The same, with an effect on."""
 SEEN = 1e-6
 """Shares of a reading below which an effect does nothing."""
-
-
-Sizes = Mapping[str, float]
-"""Parameters of an effect by name."""
-
 
 @dataclass(frozen=True)
 class Row:
@@ -100,6 +95,36 @@ class Simulation:
         """The same of a model that has an effect of its own more."""
         own = Switch(id=name, parameters=dict(parameters))
         return replace(self, model=self.model.model_copy(update={"effects": [*self.model.effects, own]}))
+
+    def localised(self, library: Library, values: Mapping[str, Sizes]) -> Library:
+        """`library` with what is open simulated anew with some effects on, each at its `values`.
+
+        A finger that hangs by its own weight asks for its stiffness where a weightless one does not.
+        """
+        left_open = nuisance.nuisances(list(self.tests))
+        found = dict(library.responses)
+        for name, parameters in values.items():
+            other = self.including(name, parameters)
+            middle = other.predict([other.row()], f"{name} at its most probable size")[0]
+            slopes, spread = jacobian(other, middle, left_open), structural(other, middle, LOCAL)
+            there = np.isfinite(slopes).all(axis=1)
+            found[name] = replace(
+                found[name], jacobian=np.where(there[:, None], slopes, library.jacobian),
+                structural=where_known(there, spread, library.structural))
+        return replace(library, responses=found)
+
+    def together(self, library: Library,
+                 pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
+        """`library` with what two effects do together, of each of `pairs` at these sizes of both."""
+        wanted = [effects for (a, b), (first, second) in pairs.items()
+                  for effects in ({a: first, b: second}, {a: first}, {b: second})]
+        rows = [self.row(self.with_effects(effects)) for effects in wanted]
+        predictions = self.predict(rows, f"{len(pairs)} pairs")
+        found = dict(library.interplays)
+        for two, moved in zip(pairs, (predictions - library.baseline).reshape(len(pairs), 3, -1), strict=True):
+            both, *alone = moved
+            found[two] = Interplay(np.array(alone), both - sum(alone))
+        return replace(library, interplays=found)
 
 
 def read(test: Test, curve: Curve | None) -> list[float]:
@@ -218,24 +243,6 @@ def responses(simulation: Simulation, baseline: np.ndarray,
     return found
 
 
-def localised(simulation: Simulation, library: Library, values: dict[str, dict[str, float]]) -> Library:
-    """`library` with what is open simulated anew with some effects on, each at its `values`.
-
-    A finger that hangs by its own weight asks for its stiffness where a weightless one does not.
-    """
-    left_open = nuisance.nuisances(list(simulation.tests))
-    found = dict(library.responses)
-    for name, parameters in values.items():
-        other = simulation.including(name, parameters)
-        middle = other.predict([other.row()], f"{name} at its most probable size")[0]
-        slopes, spread = jacobian(other, middle, left_open), structural(other, middle, LOCAL)
-        there = np.isfinite(slopes).all(axis=1)
-        found[name] = replace(
-            found[name], jacobian=np.where(there[:, None], slopes, library.jacobian),
-            structural=where_known(there, spread, library.structural))
-    return replace(library, responses=found)
-
-
 def where_known(there: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarray:
     """(n, n) covariance: `new` between points that are `there`, `old` between the others, none across.
 
@@ -243,20 +250,6 @@ def where_known(there: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarr
     """
     both, neither = there[:, None] & there[None, :], ~there[:, None] & ~there[None, :]
     return np.where(both, new, np.where(neither, old, 0.0))
-
-
-def together(simulation: Simulation, library: Library,
-             pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
-    """`library` with what two effects do together, of each of `pairs` at these sizes of both."""
-    wanted = [effects for (a, b), (first, second) in pairs.items()
-              for effects in ({a: first, b: second}, {a: first}, {b: second})]
-    rows = [simulation.row(simulation.with_effects(effects)) for effects in wanted]
-    predictions = simulation.predict(rows, f"{len(pairs)} pairs")
-    found = dict(library.interplays)
-    for two, moved in zip(pairs, (predictions - library.baseline).reshape(len(pairs), 3, -1), strict=True):
-        both, *alone = moved
-        found[two] = Interplay(np.array(alone), both - sum(alone))
-    return replace(library, interplays=found)
 
 
 def structural(simulation: Simulation, baseline: np.ndarray, members: int) -> np.ndarray:

@@ -21,8 +21,8 @@ COVERED = 0.9
 MISFIT = 0.02
 """Chance of so bad a fit below which an explanation is vetoed."""
 HOPELESS = 1e-4
-"""Probability below which one effect alone is given up and a second one named beside it, as where it is
-refuted."""
+"""Probability below which one effect alone is given up and a second one named beside it, as where it would be
+vetoed."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,11 @@ class Verdict:
     """Effects that a direct check shows to be missing, and that the readings do not deny."""
     untold: tuple[str, ...] = ()
     """Effects of one class that would else be named by the first: only a test of another kind parts them."""
-
     more: float = 0.0
     """Probability that something is missing beside what is named."""
+    or_both: tuple[str, ...] = ()
+    """What is named and the pair that is more probable, where the first alone fits as well: a test has to
+    tell."""
 
     @property
     def alike(self) -> tuple[str, ...]:
@@ -96,14 +98,17 @@ def _of_readings(scores: Scores, known: tuple[str, ...]) -> Verdict:
         return said("none", (), best.probability)
     if best.outside or not beside:
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
-    if len(beside) == 2 and best.probability >= SURE and not _one_may_do(scores, known, beside):
+    both = len(beside) == 2 and best.probability >= SURE
+    if both and not _one_may_do(scores, known, beside):
         return _parted(said("pair", best.ids, best.probability), scores)
     # One effect may be certain where it is open whether another one is there as well
     sure = [name for name in beside
             if scores.present(name) >= SURE and _alone(scores, known, name).p_value >= MISFIT]
-    if len(sure) == 1:
-        one = _alone(scores, known, sure[0])
-        return _parted(said("pair" if known else "named", one.ids, scores.present(sure[0]), one), scores)
+    if sure:
+        one = max((_alone(scores, known, name) for name in sure), key=lambda h: h.probability)
+        (name,) = set(one.ids) - set(known)
+        found = said("pair" if known else "named", one.ids, scores.present(name), one)
+        return _parted(replace(found, or_both=(one.id, best.id)) if both else found, scores)
     return said("ambiguous", _effects(scores, held), _sum(scores, held))
 
 
@@ -120,9 +125,9 @@ def _parted(named: Verdict, scores: Scores) -> Verdict:
 
 
 def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -> bool:
-    """Whether one of a pair's effects alone is not quite refuted: the other may but mend its law."""
+    """Whether one of a pair's effects alone fits and is not hopeless: the other may but mend its law."""
     alone = [_alone(scores, known, name) for name in pair]
-    return any(not one.refuted and one.probability >= HOPELESS for one in alone)
+    return any(one.p_value >= MISFIT and one.probability >= HOPELESS for one in alone)
 
 
 def _alone(scores: Scores, known: tuple[str, ...], name: str) -> Hypothesis:

@@ -2,7 +2,8 @@
 0.1]`.
 
 Worlds of another structure than the model (tests/worlds) hide something; the library that judges them comes
-from the full simulation (`diagnosis_library`). One JSON row a draw in FOLDER/rows.jsonl: a run that was
+from the full simulation (`diagnosis_library`), and so does what a diagnosis simulates anew of its likeliest
+explanations (`diagnosis_close`). One JSON row a draw in FOLDER/rows.jsonl: a run that was
 stopped goes on where it was. Prints the tables of `diagnosis_table`. The seeds of the figures (FRESH) were
 never looked at before.
 """
@@ -26,7 +27,7 @@ from tests.benchmarks.diagnosis_table import FORCED
 from tests.worlds.effects import EFFECTS
 from tests.worlds.outside import OUTSIDE
 
-FRESH = 130_000
+FRESH = 150_000
 """First seed of what is published; seeds below are for finding out what goes wrong."""
 COUNT = {"none": 600, "single": 80, "large": 100, "outside": 80, "pair": 240, "large pair": 1500,
          "outlier": 4, "one repeat": 1, "missing": 2, "five points": 1,
@@ -86,10 +87,18 @@ def judgeable(draws: Iterable[Draw], library, least: float) -> Iterator[Draw]:
             yield draw
 
 
-def judge(draw: Draw, library) -> dict:
-    """Everything that is recorded of one draw."""
+def scored(library, kept, observed):
+    """Scores as a diagnosis has them; `kept` stands in for its simulation."""
+    from handgen.discrepancy.closely import closely
     from handgen.discrepancy.problem import Problem
     from handgen.discrepancy.score import score_problem
+
+    return closely(kept, score_problem(Problem.of(library, observed)), observed)
+
+
+def judge(draw: Draw, library, kept) -> dict:
+    """Everything that is recorded of one draw."""
+    from handgen.discrepancy.problem import Problem
 
     found = hidden(draw, library, draw.ids)
     judged = checked(library, found)
@@ -98,17 +107,16 @@ def judge(draw: Draw, library) -> dict:
     known = {test.id: test for test in library.tests}
     moved = {name: found.shift(known[name]) for name in draw.ids}
     observed = found.observed()
-    problem = Problem.of(judged, observed)
-    scores = score_problem(problem)
+    scores = scored(judged, kept, observed)
     row = {"key": draw.key, "kind": draw.kind, "hidden": draw.hidden, "seed": draw.seed, "sizes": found.sizes,
-           "sigmas": sigmas(moved, draw), "beyond": beyond(moved, problem), **said(scores)}
+           "sigmas": sigmas(moved, draw), "beyond": beyond(moved, Problem.of(judged, observed)), **said(scores)}
     row["flagged"] = sum(len(test.summary.outlying) for test in observed.tests)
     if draw.kind in ("single", "large"):
         if row["beyond"] < LARGE:
             return row
-        row["without"] = said(scores.without(*draw.hidden))
-        row["gap"] = gaps(found, judged, draw, scores)
-    row["asked"] = {how: ask(draw, judged, how, scores) for how in ASKED.get(draw.kind, ())}
+        row["without"] = said(scored(judged.without(*draw.hidden), kept, observed))
+        row["gap"] = gaps(found, draw, scores)
+    row["asked"] = {how: ask(draw, judged, kept, how, scores) for how in ASKED.get(draw.kind, ())}
     return row
 
 
@@ -153,17 +161,15 @@ def said(scores) -> dict:
             "present": {name: round(scores.present(name), 5) for name in scores.problem.library.responses}}
 
 
-def gaps(found, library, draw: Draw, scores) -> dict:
+def gaps(found, draw: Draw, scores) -> dict:
     """RMS of what is left: each load predicted without it, and a kind of test that was never fitted.
 
     Of lengths; where the force was measured because only it can tell, of forces.
     """
-    from handgen.discrepancy.problem import Problem
     from handgen.discrepancy.score import NONE, score_problem
     from handgen.discrepancy.verdict import verdict
 
-    observed = found.observed()
-    problem = Problem.of(library, observed)
+    problem, library = scores.problem, scores.problem.library
     left = {"before": [], "retuned": [], "patched": []}
     said_first = verdict(scores)
     named = said_first.word in ("named", "pair")
@@ -196,19 +202,16 @@ def _rms(values) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
 
 
-def ask(draw: Draw, library, how: str, scores) -> dict:
+def ask(draw: Draw, library, kept, how: str, scores) -> dict:
     """What is said in the end, and after which tests; `scores`: of the tests that were given.
 
     More tests are chosen by the diagnosis or at random.
     """
-    from handgen.discrepancy.problem import Problem
-    from handgen.discrepancy.score import score_problem
-
     found = hidden(draw, library, draw.ids)
 
     def measured(name: str):
         found.measure([test for test in library.tests if test.id == name])
-        return score_problem(Problem.of(library, found.observed()))
+        return scored(library, kept, found.observed())
 
     return more_tests(scores, askable(library, draw.ids), measured,
                       draw.rng("asks at random") if how == "random" else None)
@@ -221,7 +224,8 @@ def askable(library, given: Iterable[str]) -> list[str]:
 
 
 def more_tests(scores, open_: Sequence[str], measured: Callable, rng: np.random.Generator | None) -> dict:
-    """What is said after up to MOST_ASKED of the tests `open_`, asked for while the verdict is ambiguous.
+    """What is said after up to MOST_ASKED of the tests `open_`, asked for while the verdict is ambiguous, or a
+    pair more probable than what is named.
 
     `measured`: does a test and gives the new scores; `rng`: chooses instead of the diagnosis.
     """
@@ -230,11 +234,11 @@ def more_tests(scores, open_: Sequence[str], measured: Callable, rng: np.random.
     from handgen.discrepancy.verdict import verdict
 
     done: list[str] = []
-    while len(done) < MOST_ASKED and (now := verdict(scores)).word == "ambiguous":
+    while len(done) < MOST_ASKED and ((now := verdict(scores)).word == "ambiguous" or now.or_both):
         left = [name for name in open_ if name not in done]
         if rng is not None:
             chosen = left[rng.integers(len(left))]
-        elif (proposal := next_test(scores, left, SIGMAS, now.untold)) is not None:
+        elif (proposal := next_test(scores, left, SIGMAS, now.untold, now.or_both)) is not None:
             chosen = proposal.test
         else:
             break
@@ -246,48 +250,49 @@ def more_tests(scores, open_: Sequence[str], measured: Callable, rng: np.random.
 # Many draws
 
 
-_library = None
+_by: tuple = ()
 
 
-def _begin(path: str) -> None:
+def _begin(library: str, close: str) -> None:
     from handgen.discrepancy.library import Library
+    from tests.benchmarks.diagnosis_close import Kept
 
-    global _library
-    _library = Library.load(Path(path))
+    global _by
+    _by = Library.load(Path(library)), Kept.load(Path(close))
 
 
 def _judge(draw: Draw) -> dict:
-    return judge(draw, _library)
+    return judge(draw, *_by)
 
 
-def study(draws: list[Draw], library: Path, rows: Path, workers: int) -> None:
+def study(draws: list[Draw], library: Path, close: Path, rows: Path, workers: int) -> None:
     """Judge what has no row yet; each row is written as it is found."""
     done = {json.loads(line)["key"] for line in rows.read_text().splitlines()} if rows.exists() else set()
     waiting = [draw for draw in draws if draw.key not in done]
     # Shuffled: figures of a study that is under way are figures of all kinds
     waiting = [waiting[i] for i in np.random.default_rng(0).permutation(len(waiting))]
     with open(rows, "a", encoding="utf-8") as file:
-        for n, row in enumerate(_rows(waiting, library, workers), start=1):
+        for n, row in enumerate(_rows(waiting, (str(library), str(close)), workers), start=1):
             file.write(json.dumps(row) + "\n")
             file.flush()
             if n % 50 == 0:
                 print(f"{n} of {len(waiting)}", flush=True)
 
 
-def _rows(waiting: list[Draw], library: Path, workers: int) -> Iterator[dict]:
+def _rows(waiting: list[Draw], files: tuple[str, str], workers: int) -> Iterator[dict]:
     if workers == 1:
-        _begin(str(library))
+        _begin(*files)
         yield from map(_judge, waiting)
         return
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (str(library),)) as pool:
+    with ProcessPoolExecutor(workers, get_context("spawn"), _begin, files) as pool:
         for job in as_completed([pool.submit(_judge, draw) for draw in waiting]):
             yield job.result()
 
 
 def main() -> None:
     from handgen.discrepancy.library import Library
-    from tests.benchmarks import diagnosis_library, diagnosis_table
+    from tests.benchmarks import diagnosis_close, diagnosis_library, diagnosis_table
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
@@ -297,12 +302,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=FRESH)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--library", type=Path, default=diagnosis_library.SHIPPED)
+    parser.add_argument("--close", type=Path, default=diagnosis_close.SHIPPED)
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     rows = asked.folder / f"rows-{asked.seed}.jsonl"
     draws = [draw for draw in plan(asked.seed, asked.share) if not asked.kinds or draw.kind in asked.kinds]
     draws = list(judgeable(draws, Library.load(asked.library), asked.least))
-    study(draws, asked.library, rows, asked.workers)
+    study(draws, asked.library, asked.close, rows, asked.workers)
     print(diagnosis_table.tables([json.loads(line) for line in rows.read_text().splitlines()]))
 
 

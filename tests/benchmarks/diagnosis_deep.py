@@ -22,9 +22,8 @@ from handgen.discrepancy import tolerance
 from handgen.discrepancy.library import Library
 from handgen.discrepancy.observed import Observed, Readings
 from handgen.discrepancy.problem import Problem
-from handgen.discrepancy.score import score_problem
 from handgen.discrepancy.simulated import Simulation
-from tests.benchmarks import diagnosis_library
+from tests.benchmarks import diagnosis_close, diagnosis_library
 from tests.benchmarks.diagnosis import (
     FORCE,
     GIVEN,
@@ -33,7 +32,9 @@ from tests.benchmarks.diagnosis import (
     beyond,
     more_tests,
     said,
+    scored,
 )
+from tests.benchmarks.diagnosis_close import Kept
 from tests.benchmarks.diagnosis_draws import OF, sheet
 from tests.benchmarks.diagnosis_library import POWER
 from tests.benchmarks.diagnosis_table import FORCED, names, part, right, same_class
@@ -44,7 +45,7 @@ OTHER_LAWS: Mapping[str, dict] = {
     "Ninjaflex": {"law": "neo_hookean", "unit": "MPa", "constants": {"c10": 0.72}, "strain": [0, 1]},
 }
 """As stiff as the judged laws where a bend works, of another form: one constant each."""
-FIRST = 120_000
+FIRST = 140_000
 """First seed of what is published; worlds of other seeds were looked at before."""
 KEEPS_LAW = ("wrong_convention",)
 """Effects on the judged law's own form."""
@@ -124,11 +125,11 @@ class Deep:
         return simulation.predict([row], self.name)[0]
 
     @property
-    def problem(self) -> Problem:
-        return Problem.of(self.library, Observed(tuple(self.written)))
+    def observed(self) -> Observed:
+        return Observed(tuple(self.written))
 
 
-def draw(whole: Simulation, library: Library, effect: str, seed: int) -> dict:
+def draw(whole: Simulation, library: Library, kept: Kept, effect: str, seed: int) -> dict:
     """One deep world, measured and judged; then with the tests that the diagnosis asks for."""
     rng = np.random.default_rng([seed, *effect.encode()])
     given = (*GIVEN, FORCE) if effect in FORCED else GIVEN
@@ -141,13 +142,13 @@ def draw(whole: Simulation, library: Library, effect: str, seed: int) -> dict:
     shift = deep.truth(wanted, given) - deep.truth(wanted.model_copy(update={"effects": []}), given)
     ends = np.cumsum([len(library.points(name)) for name in given])[:-1]
     moved = dict(zip(given, np.split(shift, ends), strict=True))
-    scores = score_problem(deep.problem)
+    scores = scored(deep.library, kept, deep.observed)
     found = {"kind": "deep", "hidden": [effect], "seed": seed, "sizes": sizes,
-             "beyond": beyond(moved, deep.problem), **said(scores)}
+             "beyond": beyond(moved, Problem.of(deep.library, deep.observed)), **said(scores)}
 
     def more(name: str):
         deep.measure((name,), np.random.default_rng([seed, *f"{effect} {name}".encode()]))
-        return score_problem(deep.problem)
+        return scored(deep.library, kept, deep.observed)
 
     return {**found, "asked": {"best": more_tests(scores, askable(library, given), more, None)}}
 
@@ -161,18 +162,19 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--effects", nargs="*")
     parser.add_argument("--library", type=Path, default=diagnosis_library.SHIPPED)
+    parser.add_argument("--close", type=Path, default=diagnosis_close.SHIPPED)
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     file = asked.folder / "deep.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
     done = {(row["hidden"][0], row["seed"]) for row in rows}
-    library = Library.load(asked.library)
+    library, kept = Library.load(asked.library), Kept.load(asked.close)
     whole = diagnosis_library.simulation(asked.workers)
     for seed in range(FIRST, FIRST + asked.draws):
         for effect in asked.effects or catalogue():
             if (effect, seed) in done:
                 continue
-            rows.append(draw(whole, library, effect, seed))
+            rows.append(draw(whole, library, kept, effect, seed))
             with open(file, "a", encoding="utf-8") as out:
                 out.write(json.dumps(rows[-1]) + "\n")
     print(table(rows))

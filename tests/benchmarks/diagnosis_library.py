@@ -10,7 +10,6 @@ where it was.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 
 from handgen.bending.model import load_model
@@ -19,7 +18,6 @@ from handgen.discrepancy.candidates import candidates
 from handgen.discrepancy.library import Library
 from handgen.discrepancy.simulated import Simulation
 from handgen.discrepancy.worker import Bends
-from handgen.effects import catalogue
 from handgen.measurements import load_measurements
 from handgen.measurements.model import Test
 
@@ -60,22 +58,6 @@ def simulation(workers: int, say=print, level: int = len(LEVELS)) -> Simulation:
     return Simulation(measured, (*tests, *more), model, Bends(workers, say))
 
 
-LOCALISED = {"wrong_convention": {"misread": 1.0}}
-"""Effects with which what is open is simulated anew, as a diagnosis does of the likeliest: this one knows
-but one size, and the wall is near to ballooning there."""
-TYPICAL = 0.7
-"""Quantile of its prior that every parameter has where two effects are simulated together."""
-
-
-def with_interplays(simulation: Simulation, library: Library) -> Library:
-    """`library` with what every two effects do together. A diagnosis takes the likeliest few, as large as
-    they are most probable."""
-    sizes = {name: {one.name: one.quantile(TYPICAL) for one in catalogue()[name].parameters}
-             for name in library.responses}
-    return simulated.together(simulation, library, {
-        two: (sizes[two[0]], sizes[two[1]]) for two in combinations(library.responses, 2)})
-
-
 def _open(test: Test) -> Test:
     """`test` with all of its loads open to fits."""
     return test.model_copy(update={"held_out": False, "fit_up_to": None, "repeats": test.repeats})
@@ -95,6 +77,4 @@ if __name__ == "__main__":
     for level in range(1, len(LEVELS) + 1):
         found = library(Path(sys.argv[1]), 2, lambda line: print(line, flush=True), level)
         print(f"level {level}: {found.size} readings, {len(found.responses)} effects", flush=True)
-    whole = simulation(2, lambda line: print(line, flush=True))
-    found = simulated.localised(whole, with_interplays(whole, found), LOCALISED)
     found.save(Path(sys.argv[1]) / "library.npz")
