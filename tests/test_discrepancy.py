@@ -101,8 +101,9 @@ def test_a_second_effect_is_named_only_where_one_alone_is_given_up():
                    for one in found.hypotheses]
         return verdict(replace(found, hypotheses=tuple(changed)))
 
-    assert said(0.5, 1e-5).word == said(0.01, 0.01).word == "pair"
-    assert (said(0.03, 0.01).word, said(0.03, 0.01).effects) == ("named", ("curl",))
+    assert said(0.01, 1e-5).word == said(0.0005, 0.01).word == "pair"
+    assert said(0.01, 0.01).word == "ambiguous"
+    assert (said(0.5, 0.01).word, said(0.5, 0.01).effects) == ("named", ("curl",))
 
 
 def test_what_is_certain_is_named_where_a_second_effect_is_open():

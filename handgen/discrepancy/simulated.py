@@ -121,8 +121,8 @@ class Simulation:
         rows = [self.row(self.with_effects(effects)) for effects in wanted]
         predictions = self.predict(rows, f"{len(pairs)} pairs")
         found = dict(library.interplays)
-        for two, moved in zip(pairs, (predictions - library.baseline).reshape(len(pairs), 3, -1), strict=True):
-            both, *alone = moved
+        moved = (predictions - library.baseline).reshape(len(pairs), 3, -1)
+        for two, (both, *alone) in zip(pairs, moved, strict=True):
             found[two] = Interplay(np.array(alone), both - sum(alone))
         return replace(library, interplays=found)
 

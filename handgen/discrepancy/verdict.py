@@ -21,8 +21,8 @@ COVERED = 0.9
 MISFIT = 0.02
 """Chance of so bad a fit below which an explanation is vetoed."""
 HOPELESS = 1e-4
-"""Probability below which one effect alone is given up and a second one named beside it, as where it would be
-vetoed."""
+"""Probability below which one effect alone is given up and a second one named beside it, as where it is
+refuted."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Verdict:
     more: float = 0.0
     """Probability that something is missing beside what is named."""
     or_both: tuple[str, ...] = ()
-    """What is named and the pair that is more probable, where the first alone fits as well: a test has to
+    """What is named and the pair that is more probable, where the first alone is not refuted: a test has to
     tell."""
 
     @property
@@ -125,9 +125,9 @@ def _parted(named: Verdict, scores: Scores) -> Verdict:
 
 
 def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -> bool:
-    """Whether one of a pair's effects alone fits and is not hopeless: the other may but mend its law."""
+    """Whether one of a pair's effects alone is not quite refuted: the other may but mend its law."""
     alone = [_alone(scores, known, name) for name in pair]
-    return any(one.p_value >= MISFIT and one.probability >= HOPELESS for one in alone)
+    return any(not one.refuted and one.probability >= HOPELESS for one in alone)
 
 
 def _alone(scores: Scores, known: tuple[str, ...], name: str) -> Hypothesis:

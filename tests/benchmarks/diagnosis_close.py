@@ -1,8 +1,8 @@
-"""What a diagnosis simulates anew of its likeliest explanations, kept at a few sizes for the study.
+"""What a diagnosis simulates beyond every effect alone, kept for the study.
 
 `python -m tests.benchmarks.diagnosis_close FOLDER` simulates it for `diagnosis_library`'s model. A diagnosis
-takes the most probable sizes; here what is open is interpolated between no effect and one that is large, and
-an interplay is that of the nearest sizes. Both then go through the code of a diagnosis.
+takes the most probable sizes of a pair; here an interplay is that of the nearest of a few. Both then go
+through the code of a diagnosis, `closely`.
 """
 
 from __future__ import annotations
@@ -15,25 +15,15 @@ from pathlib import Path
 
 import numpy as np
 
+from handgen.discrepancy.closely import whole
 from handgen.discrepancy.library import Interplay, Library, Sizes
 from handgen.discrepancy.simulated import Simulation
 from handgen.effects import Parameter, catalogue
 
-LARGE = 0.9
-"""Quantile of an effect's size at which what is open is simulated; of either sign where it has one."""
 LEVELS = (0.75, 0.95)
-"""The same where two effects are simulated together: both as usual, or both large."""
+"""Quantiles of their sizes at which two effects are simulated together: both as usual, or both large; of
+either sign where an effect has one."""
 SHIPPED = Path(__file__).parents[1] / "worlds" / "close.npz"
-
-
-@dataclass(frozen=True)
-class Open:
-    """What is open with one effect on."""
-
-    size: float
-    """Of its first parameter."""
-    jacobian: np.ndarray
-    structural: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -48,19 +38,16 @@ class Two:
 class Kept:
     """Stands in for `simulated.Simulation` where a diagnosis simulates anew."""
 
-    opens: Mapping[str, tuple[Open, ...]]
+    opens: Mapping[str, tuple[np.ndarray, np.ndarray]]
+    """Effect -> Jacobian and structural error with it on."""
     twos: Mapping[tuple[str, str], tuple[Two, ...]]
 
     def localised(self, library: Library, values: Mapping[str, Sizes]) -> Library:
-        """As `simulated.Simulation.localised`."""
+        """As `simulated.Simulation.localised`, of effects without a size."""
         found = dict(library.responses)
-        for name, sizes in values.items():
-            null, at = first(name).null, sizes[first(name).name]
-            near = min(self.opens[name], key=lambda one, at=at: abs(one.size - at))
-            share = np.clip((at - null) / (near.size - null), 0.0, 1.0)
-            found[name] = replace(
-                found[name], jacobian=(1 - share) * library.jacobian + share * near.jacobian,
-                structural=(1 - share) * library.structural + share * near.structural)
+        for name in values:
+            jacobian, structural = self.opens[name]
+            found[name] = replace(found[name], jacobian=jacobian, structural=structural)
         return replace(library, responses=found)
 
     def together(self, library: Library, pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
@@ -76,13 +63,10 @@ class Kept:
 
     def save(self, path: Path) -> None:
         """One .npz; single precision is far below what a mesh gets wrong."""
-        arrays: dict[str, np.ndarray] = {}
-        for name, opens in self.opens.items():
-            for i, one in enumerate(opens):
-                arrays[f"open/{name}/{i}"] = np.hstack([one.jacobian, one.structural])
+        arrays = {f"open/{name}": np.hstack(open_) for name, open_ in self.opens.items()}
         for (a, b), twos in self.twos.items():
             arrays[f"two/{a}/{b}"] = np.array([[*one.interplay.shifts, one.interplay.excess] for one in twos])
-        about = {"opens": {name: [one.size for one in opens] for name, opens in self.opens.items()},
+        about = {"opens": list(self.opens),
                  "twos": [[*two, [one.sizes for one in twos]] for two, twos in self.twos.items()]}
         np.savez_compressed(path, about=np.frombuffer(json.dumps(about).encode(), np.uint8),
                             **{key: array.astype(np.float32) for key, array in arrays.items()})
@@ -94,18 +78,14 @@ class Kept:
             about = json.loads(stored["about"].tobytes())
             rows = {key: stored[key].astype(float) for key in stored.files if key != "about"}
         opens = {}
-        for name, sizes in about["opens"].items():
-            found = [rows[f"open/{name}/{i}"] for i in range(len(sizes))]
-            opens[name] = tuple(Open(size, row[:, :-len(row)], _even(row[:, -len(row):]))
-                                for size, row in zip(sizes, found, strict=True))
+        for name in about["opens"]:
+            row = rows[f"open/{name}"]
+            structural = row[:, -len(row):]
+            opens[name] = row[:, :-len(row)], (structural + structural.T) / 2
         twos = {(a, b): tuple(Two(tuple(at), Interplay(row[:2], row[2]))
                               for at, row in zip(sizes, rows[f"two/{a}/{b}"], strict=True))
                 for a, b, sizes in about["twos"]}
         return cls(opens, twos)
-
-
-def _even(covariance: np.ndarray) -> np.ndarray:
-    return (covariance + covariance.T) / 2
 
 
 def first(effect: str) -> Parameter:
@@ -126,11 +106,8 @@ def simulated(simulation: Simulation, library: Library) -> Kept:
     def size(name: str, values: Sizes) -> float:
         return values[first(name).name]
 
-    opens: dict[str, tuple[Open, ...]] = {}
-    for name in library.responses:
-        for values in sizes(name, LARGE):
-            found = simulation.localised(library, {name: values}).responses[name]
-            opens[name] = (*opens.get(name, ()), Open(size(name, values), found.jacobian, found.structural))
+    there = simulation.localised(library, whole(library)).responses
+    opens = {name: (there[name].jacobian, there[name].structural) for name in whole(library)}
     twos: dict[tuple[str, str], tuple[Two, ...]] = {}
     for level, signs in product(LEVELS, product((0, 1), repeat=2)):
         pairs = {}
