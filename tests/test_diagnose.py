@@ -12,7 +12,7 @@ from handgen.bending.model import Effect as Switch
 from handgen.bending.model import load_model
 from handgen.cli import main
 from handgen.discrepancy import simulated, worker
-from handgen.discrepancy.closely import PAIRS, ROUNDS
+from handgen.discrepancy.closely import PAIRS, ROUNDS, SHORT
 from handgen.discrepancy.simulated import Simulation
 from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.measurements.load import load_measurements
@@ -127,6 +127,23 @@ def test_the_likeliest_pairs_are_simulated_together(tmp_path, capsys, monkeypatc
     assert [len(pairs) for pairs in asked] == [PAIRS] * ROUNDS and len({*asked[0], *asked[1]}) == 2 * PAIRS
     likely = [c["id"] for c in found["candidates"] if c["id"].count("+") == 1][:2]
     assert set(likely) <= {"+".join(two) for pairs in asked for two in pairs}
+
+
+def test_what_is_open_is_simulated_anew_with_what_has_no_size_and_beside_a_known_effect_with_the_likeliest(
+        tmp_path, capsys, monkeypatch):
+    asked, own = [], Simulation.localised
+
+    def watched(simulation, library, values):
+        asked.append(set(values))
+        return own(simulation, library, values)
+
+    monkeypatch.setattr(Simulation, "localised", watched)
+    files = campaign(tmp_path, 1.0, effects=[("rest_curl", {"angle": 25.0})])
+    diagnose(capsys, files[0], "calibrated", tmp_path / "plain")
+    diagnose(capsys, *files, tmp_path / "known")
+    plain, known = asked
+    assert plain == {"wrong_convention"}
+    assert "rest_curl" in known and 1 <= len(known) <= SHORT and "own_weight" not in known
 
 
 def test_what_two_effects_do_together_is_what_is_left_of_their_sum(tmp_path):
