@@ -16,6 +16,7 @@ from handgen.discrepancy.closely import PAIRS, ROUNDS, SHORT
 from handgen.discrepancy.simulated import Simulation
 from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.measurements.load import load_measurements
+from tests.benchmarks import diagnosis_close
 from tests.quick_bends import curve
 
 COIMBRA = Path("params/measurements/coimbra_index.yaml").resolve()
@@ -161,6 +162,27 @@ def test_what_two_effects_do_together_is_what_is_left_of_their_sum(tmp_path):
     assert found.shifts == pytest.approx(np.array(alone))
     left = 85.0 - library.baseline
     assert found.excess == pytest.approx(-alone[0] * alone[1] / left, abs=1e-6)
+
+
+def test_what_the_study_keeps_is_what_a_diagnosis_would_simulate():
+    measured = load_measurements(COIMBRA)
+    tests = [measured.test(name) for name in ("exoskeleton-weights", "assembly-pressure")]
+    simulation = Simulation(measured, tests, load_model("calibrated")[0], worker.Bends(1, lambda line: None))
+    known = ("rest_curl", "silicone_softening", "wrong_convention")
+    library = simulated.library(simulation, only=known, members=2)
+    kept = diagnosis_close.simulated(simulation, library)
+    assert set(kept.opens) == {"wrong_convention"} and len(kept.twos) == 3
+    values = {"wrong_convention": {"misread": 1.0}}
+    own, stood_in = (one.localised(library, values).responses["wrong_convention"]
+                     for one in (simulation, kept))
+    assert stood_in.jacobian == pytest.approx(own.jacobian)
+    assert stood_in.structural == pytest.approx(own.structural)
+    for near in kept.twos["rest_curl", "silicone_softening"]:
+        sizes = {"angle": near.sizes[0]}, {"softening": near.sizes[1]}
+        pairs = {("rest_curl", "silicone_softening"): sizes}
+        own, stood_in = (next(iter(one.together(library, pairs).interplays.values()))
+                         for one in (simulation, kept))
+        assert stood_in.excess == pytest.approx(own.excess) and np.abs(own.excess).max() > 0.1
 
 
 @pytest.mark.parametrize("seed", range(20))

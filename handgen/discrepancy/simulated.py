@@ -39,6 +39,7 @@ LOCAL = 16
 SEEN = 1e-6
 """Shares of a reading below which an effect does nothing."""
 
+
 @dataclass(frozen=True)
 class Row:
     """One prediction of all tests: a request a test, or why there is none."""

@@ -115,7 +115,8 @@ def simulated(simulation: Simulation, library: Library) -> Kept:
             both = [list(sizes(name, level)) for name in (a, b)]
             if all(sign < len(of) for sign, of in zip(signs, both, strict=True)):
                 pairs[a, b] = tuple(of[sign] for sign, of in zip(signs, both, strict=True))
-        for (a, b), one in simulation.together(library, pairs).interplays.items():
+        # Of a library without effects of either sign some combinations hold no pair
+        for (a, b), one in simulation.together(library, pairs).interplays.items() if pairs else ():
             at = size(a, pairs[a, b][0]), size(b, pairs[a, b][1])
             twos[a, b] = (*twos.get((a, b), ()), Two(at, one))
     return Kept(opens, twos)
