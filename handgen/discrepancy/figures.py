@@ -71,7 +71,7 @@ def probabilities(document: dict[str, Any], colours: dict[str, str], names: dict
     axis.set_yticks(range(len(shown)), [names.get(c["id"], c["id"]) for c in shown])
     axis.invert_yaxis()
     axis.set_xlim(0, 1.15)
-    axis.set_xticks([0, 0.5, 0.9, 1], ["0", "50 %", "90 %", "100 %"])
+    axis.set_xticks([0, 0.5, 0.9], ["0", "50 %", "90 %"])
     _plain(axis, colours)
     return figure
 
