@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from handgen.discrepancy import ask, law
+from handgen.discrepancy.hypothesis import REFUTED
 from handgen.discrepancy.library import Interplay, Library, size_name
 from handgen.discrepancy.pairs import Together, coarsened
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import score, score_problem
-from handgen.discrepancy.verdict import SURE, verdict
+from handgen.discrepancy.verdict import MISFIT, SURE, verdict
 from tests.small_library import MORE, TESTS, library, readings, truth
 
 
@@ -68,6 +69,10 @@ def test_a_pair_that_is_likelier_than_the_one_effect_that_is_named_is_asked_abou
     assert said.more > SURE
     told = ask.next_test(scores, ["angle", "up"], {"bend_angle": 1.0, "tip_drop": 0.5}, or_both=said.or_both)
     assert set(told.separates) == {"curl", "curl+soft"} and told.gain > 0.1
+    scores = score(lib, readings(lib, truth(lib, curl=0.7, soft=0.9)))
+    badly = verdict(scores)
+    assert badly.word == "ambiguous" and badly.or_both == ("curl", "curl+soft")
+    assert MISFIT > scores["curl"].p_value > REFUTED
     sure = verdict(score(lib, readings(lib, truth(lib, curl=1.0, soft=1.0))))
     assert sure.word == "pair" and not sure.or_both
 

@@ -11,6 +11,7 @@ together.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
@@ -52,6 +53,17 @@ def closely(simulation: Anew, scores: Scores, observed: Observed) -> Scores:
         library = simulation.together(library, pairs)
         scores = score_problem(Problem.of(library, observed))
     return scores
+
+
+def beside_missing(simulation: Anew, library: Library, plain: Scores, missing: Mapping[str, float],
+                   observed: Observed) -> Scores:
+    """What may be missing beside `missing`, effects that a direct check shows to be missing with its
+    probability, or else without them.
+
+    `library` has them on; `plain`: scores of the model as it is.
+    """
+    scores = closely(simulation, score_problem(Problem.of(library, observed)), observed)
+    return scores.or_else(plain.without(*missing), math.prod(missing.values()))
 
 
 def whole(library: Library) -> dict[str, Sizes]:

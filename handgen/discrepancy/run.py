@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -13,7 +12,7 @@ from handgen.bending.model import BendModel, default_name, load_model
 from handgen.discrepancy import convention, nuisance, simulated
 from handgen.discrepancy.ask import Proposal, next_test
 from handgen.discrepancy.candidates import SIGMAS, candidates
-from handgen.discrepancy.closely import closely
+from handgen.discrepancy.closely import beside_missing, closely
 from handgen.discrepancy.direct import Finding, findings, materials
 from handgen.discrepancy.library import NONE, Library
 from handgen.discrepancy.locate import STANDS_OUT, Located, locate
@@ -151,16 +150,11 @@ def _odds(model: BendModel, measured: Measured, found: Sequence[Finding]) -> dic
 
 def _with_missing(simulation: Simulation, plain: Scores, missing: Mapping[str, float],
                   observed: Observed) -> tuple[Simulation, Scores]:
-    """(`simulation` with the `missing` effects on; what may be missing beside them, or else without them).
-
-    `missing`: effects that a direct check shows to be missing, with its probability; `plain`: scores of the
-    model as it is.
-    """
+    """(`simulation` with the `missing` effects on, see `beside_missing`)."""
     simulation.bends.progress(f"the same with {' and '.join(missing)}")
     wider = replace(simulation, on={name: catalogue()[name].filled({}) for name in missing})
     library = replace(simulated.library(wider), prior_odds=plain.problem.library.prior_odds)
-    scores = closely(wider, score_problem(Problem.of(library, observed)), observed)
-    return wider, scores.or_else(plain.without(*missing), math.prod(missing.values()))
+    return wider, beside_missing(wider, library, plain, missing, observed)
 
 
 def _next(simulation: Simulation, scores: Scores, said: Verdict,

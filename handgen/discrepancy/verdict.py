@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -50,8 +51,8 @@ class Verdict:
     more: float = 0.0
     """Probability that something is missing beside what is named."""
     or_both: tuple[str, ...] = ()
-    """What is named and the pair that is more probable, where the first alone is not refuted: a test has to
-    tell."""
+    """The likelier effect of a pair alone, and the pair, where the pair is sure but that one alone is not
+    refuted: a test has to tell."""
 
     @property
     def alike(self) -> tuple[str, ...]:
@@ -104,12 +105,13 @@ def _of_readings(scores: Scores, known: tuple[str, ...]) -> Verdict:
     # One effect may be certain where it is open whether another one is there as well
     sure = [name for name in beside
             if scores.present(name) >= SURE and _alone(scores, known, name).p_value >= MISFIT]
+    found = said("ambiguous", _effects(scores, held), _sum(scores, held))
     if sure:
-        one = max((_alone(scores, known, name) for name in sure), key=lambda h: h.probability)
+        one = _likeliest_alone(scores, known, sure)
         (name,) = set(one.ids) - set(known)
-        found = said("pair" if known else "named", one.ids, scores.present(name), one)
-        return _parted(replace(found, or_both=(one.id, best.id)) if both else found, scores)
-    return said("ambiguous", _effects(scores, held), _sum(scores, held))
+        found = _parted(said("pair" if known else "named", one.ids, scores.present(name), one), scores)
+    either = (_likeliest_alone(scores, known, sure or beside).id, best.id) if both else ()
+    return replace(found, or_both=either)
 
 
 def _parted(named: Verdict, scores: Scores) -> Verdict:
@@ -133,6 +135,10 @@ def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -
 def _alone(scores: Scores, known: tuple[str, ...], name: str) -> Hypothesis:
     """One effect and no other beside those that are known."""
     return scores["+".join((*known, name))]
+
+
+def _likeliest_alone(scores: Scores, known: tuple[str, ...], names: Sequence[str]) -> Hypothesis:
+    return max((_alone(scores, known, name) for name in names), key=lambda h: h.probability)
 
 
 def covering(scores: Scores, share: float = COVERED) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ through the code of a diagnosis, `closely`.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 from pathlib import Path
@@ -27,6 +27,15 @@ SHIPPED = Path(__file__).parents[1] / "worlds" / "close.npz"
 
 
 @dataclass(frozen=True)
+class Open:
+    """What is open with an effect on, and the size that this was simulated at, its first parameter."""
+
+    size: float
+    jacobian: np.ndarray
+    structural: np.ndarray
+
+
+@dataclass(frozen=True)
 class Two:
     """An interplay and the sizes that it was simulated at, each of its effect's first parameter."""
 
@@ -38,16 +47,16 @@ class Two:
 class Kept:
     """Stands in for `simulated.Simulation` where a diagnosis simulates anew."""
 
-    opens: Mapping[str, tuple[np.ndarray, np.ndarray]]
-    """Effect -> Jacobian and structural error with it on."""
+    opens: Mapping[str, tuple[Open, ...]]
     twos: Mapping[tuple[str, str], tuple[Two, ...]]
 
     def localised(self, library: Library, values: Mapping[str, Sizes]) -> Library:
-        """As `simulated.Simulation.localised`, of effects without a size."""
+        """As `simulated.Simulation.localised`."""
         found = dict(library.responses)
-        for name in values:
-            jacobian, structural = self.opens[name]
-            found[name] = replace(found[name], jacobian=jacobian, structural=structural)
+        for name, sizes in values.items():
+            wanted = sizes[first(name).name]
+            near = min(self.opens[name], key=lambda kept, wanted=wanted: abs(kept.size - wanted))
+            found[name] = replace(found[name], jacobian=near.jacobian, structural=near.structural)
         return replace(library, responses=found)
 
     def together(self, library: Library, pairs: Mapping[tuple[str, str], tuple[Sizes, Sizes]]) -> Library:
@@ -63,10 +72,11 @@ class Kept:
 
     def save(self, path: Path) -> None:
         """One .npz; single precision is far below what a mesh gets wrong."""
-        arrays = {f"open/{name}": np.hstack(open_) for name, open_ in self.opens.items()}
+        arrays = {f"open/{name}": np.array([np.hstack([one.jacobian, one.structural]) for one in opens])
+                  for name, opens in self.opens.items()}
         for (a, b), twos in self.twos.items():
             arrays[f"two/{a}/{b}"] = np.array([[*one.interplay.shifts, one.interplay.excess] for one in twos])
-        about = {"opens": list(self.opens),
+        about = {"opens": {name: [one.size for one in opens] for name, opens in self.opens.items()},
                  "twos": [[*two, [one.sizes for one in twos]] for two, twos in self.twos.items()]}
         np.savez_compressed(path, about=np.frombuffer(json.dumps(about).encode(), np.uint8),
                             **{key: array.astype(np.float32) for key, array in arrays.items()})
@@ -78,10 +88,10 @@ class Kept:
             about = json.loads(stored["about"].tobytes())
             rows = {key: stored[key].astype(float) for key in stored.files if key != "about"}
         opens = {}
-        for name in about["opens"]:
-            row = rows[f"open/{name}"]
-            structural = row[:, -len(row):]
-            opens[name] = row[:, :-len(row)], (structural + structural.T) / 2
+        for name, at in about["opens"].items():
+            both = [np.split(row, [-len(row)], axis=1) for row in rows[f"open/{name}"]]
+            opens[name] = tuple(Open(size, jacobian, (structural + structural.T) / 2)
+                                for size, (jacobian, structural) in zip(at, both, strict=True))
         twos = {(a, b): tuple(Two(tuple(at), Interplay(row[:2], row[2]))
                               for at, row in zip(sizes, rows[f"two/{a}/{b}"], strict=True))
                 for a, b, sizes in about["twos"]}
@@ -101,13 +111,16 @@ def sizes(effect: str, share: float) -> Iterator[Sizes]:
         yield {one.name: one.quantile(at if one is own else 0.5) for one in catalogue()[effect].parameters}
 
 
-def simulated(simulation: Simulation, library: Library) -> Kept:
-    """All of it, from the full simulation."""
+def simulated(simulation: Simulation, library: Library, opened: Iterable[str] = ()) -> Kept:
+    """All of it, from the full simulation; `opened`: effects with a size that what is open is found with."""
     def size(name: str, values: Sizes) -> float:
         return values[first(name).name]
 
-    there = simulation.localised(library, whole(library)).responses
-    opens = {name: (there[name].jacobian, there[name].structural) for name in whole(library)}
+    opens: dict[str, tuple[Open, ...]] = {}
+    sized = [(name, values) for name in opened for level in LEVELS for values in sizes(name, level)]
+    for name, values in (*whole(library).items(), *sized):
+        there = simulation.localised(library, {name: values}).responses[name]
+        opens[name] = (*opens.get(name, ()), Open(size(name, values), there.jacobian, there.structural))
     twos: dict[tuple[str, str], tuple[Two, ...]] = {}
     for level, signs in product(LEVELS, product((0, 1), repeat=2)):
         pairs = {}
