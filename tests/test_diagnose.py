@@ -115,6 +115,23 @@ def test_beside_own_weight_the_readings_name_what_else_is_missing(tmp_path, caps
     assert "More than one effect is missing" in (tmp_path / "out" / "diagnosis.html").read_text()
 
 
+def test_a_pair_that_is_likelier_than_what_is_named_gets_the_test_that_tells(tmp_path, capsys):
+    """The curl alone would do; with a gauge that is off as well the readings are foreseen better."""
+    measurements, _ = campaign(tmp_path, 1.0,
+                               effects=[("rest_curl", {"angle": 14.0}), ("pressure_offset", {"offset": 6.5})])
+    code, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
+    assert code == 1 and found["verdict"] == "named"
+    assert [one["id"] for one in found["effects"]] == ["rest_curl"]
+    told = found["next_test"]
+    assert set(told["separates"]) == {"rest_curl", "rest_curl+pressure_offset"}
+    assert told["observable"]["quantity"] == "chamber_pressure"
+    page = (tmp_path / "out" / "diagnosis.html").read_text()
+    assert told["words"].capitalize() in page and found["effects"][0]["settle"] in page
+    main(["diagnose", str(measurements), "--model", "calibrated", "--out", str(tmp_path / "again"),
+          "--workers", "1"])
+    assert f"measure next: {told['words']}" in " ".join(capsys.readouterr().err.split())
+
+
 def test_the_likeliest_pairs_are_simulated_together(tmp_path, capsys, monkeypatch):
     asked, own = [], Simulation.together
 
