@@ -73,6 +73,15 @@ def test_what_is_wrong_is_said_by_line_and_nothing_is_written(tmp_path, line, pa
     assert [p.name for p in tmp_path.iterdir()] == ["lab.csv"]
 
 
+def test_what_is_wrong_with_the_hand_is_said_of_its_file(tmp_path):
+    (tmp_path / "lab.csv").write_text(TABLE)
+    (tmp_path / "bad.yaml").write_text(HAND.read_text().replace("handgen.hand/1", "handgen.hand/0"))
+    for hand in (tmp_path / "bad.yaml", tmp_path / "none.yaml"):
+        with pytest.raises(InputError) as caught:
+            import_table(tmp_path / "lab.csv", tmp_path / "out" / "lab.yaml", hand=hand, finger="index")
+        assert {p.file for p in caught.value.problems} == {str(hand)}
+
+
 def test_the_verb_writes_a_file_that_can_be_read(tmp_path, capsys):
     (tmp_path / "lab.csv").write_text(TABLE)
     arguments = ["measurements", "import", str(tmp_path / "lab.csv"), "--hand", str(HAND)]

@@ -153,7 +153,9 @@ def covering(scores: Scores, share: float = COVERED) -> tuple[str, ...]:
 
 
 def _effects(scores: Scores, held: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name for one in held for name in scores[one].ids))
+    """What the explanations `held` are made of, the most probable first."""
+    names = dict.fromkeys(name for one in held for name in scores[one].ids)
+    return tuple(sorted(names, key=scores.present, reverse=True))
 
 
 def _sum(scores: Scores, held: tuple[str, ...]) -> float:

@@ -88,8 +88,10 @@ def import_table(
         try:
             found = load_measurements(beside)
         except InputError as error:
-            raise InputError([replace(p, file=str(table)) if p.file == str(beside) else p
-                              for p in error.problems]) from None
+            # The table names no hand: what is wrong with it is wrong with the file that was given.
+            names = {str(beside): str(table), str(beside.parent / data["hand"]): str(hand)}
+            raise InputError([replace(p, file=names.get(p.file, p.file)) for p in error.problems
+                              if (p.file, p.path) != (str(beside), "hand")]) from None
     return replace(found, file=target)
 
 
