@@ -126,7 +126,7 @@ def test_a_pair_that_is_likelier_than_what_is_named_gets_the_test_that_tells(tmp
     assert set(told["separates"]) == {"rest_curl", "rest_curl+pressure_offset"}
     assert told["observable"]["quantity"] == "chamber_pressure"
     page = (tmp_path / "out" / "diagnosis.html").read_text()
-    assert told["words"].capitalize() in page and found["effects"][0]["settle"] in page
+    assert told["words"][0].upper() + told["words"][1:] in page and found["effects"][0]["settle"] in page
     main(["diagnose", str(measurements), "--model", "calibrated", "--out", str(tmp_path / "again"),
           "--workers", "1"])
     assert f"measure next: {told['words']}" in " ".join(capsys.readouterr().err.split())

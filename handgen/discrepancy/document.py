@@ -113,6 +113,7 @@ def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
         "parameters": parameters,
         "signature": effect.signature,
         "settle": effect.settle,
+        "settled": _settled(found, name),
         "source": effect.source,
     }
 
@@ -219,12 +220,19 @@ def _next(found: Diagnosis) -> dict[str, Any] | None:
 
 
 def _directly(found: Diagnosis) -> dict[str, Any] | None:
-    """The direct measurement of the effect that it is most open about, where nothing is named."""
-    if found.verdict.word != "ambiguous" or not found.verdict.effects:
+    """The direct measurement of the effect that it is most open about, where nothing is named; none that was
+    made."""
+    left = [name for name in found.verdict.effects if not _settled(found, name)]
+    if found.verdict.word != "ambiguous" or not left:
         return None
-    name = max(found.verdict.effects, key=lambda one: -abs(found.scores.present(one) - 0.5))
+    name = max(left, key=lambda one: -abs(found.scores.present(one) - 0.5))
     effect = catalogue()[name]
     return {"effect": name, "name": effect.name, "how": effect.settle}
+
+
+def _settled(found: Diagnosis, name: str) -> bool:
+    """Whether a test is the direct measurement of an effect."""
+    return any(test.observable.quantity in catalogue()[name].settled_by for test in found.tests)
 
 
 def _nuisances(found: Diagnosis, fitted) -> dict[str, float]:

@@ -48,7 +48,7 @@ def _body(d: dict[str, Any], names: dict[str, str]) -> Iterator[str]:
     yield from _sure(d, names)
     yield from _where(d)
     yield from _effects(d)
-    yield from _next(d)
+    yield from _next(d, names)
     yield from _checks(d, names)
     yield from _flags(d)
 
@@ -63,7 +63,7 @@ def _verdict(d: dict[str, Any], names: dict[str, str]) -> str:
     elif d["verdict"] == "outside":
         lines.append("The remaining error was learned as a smooth curve over the load. That curve is no "
                      "physics: do not use it beyond the loads that were measured.")
-    lines += [line for line in (_promise(d),) if line]
+    lines += [line for line in (_promise(d, names),) if line]
     return '<div class="verdict">' + "<br>".join(lines) + "</div>"
 
 
@@ -77,7 +77,7 @@ def _class(one: dict[str, Any], names: dict[str, str]) -> str:
             f"({_percent(one['probability'])} together)")
 
 
-def _promise(d: dict[str, Any]) -> str:
+def _promise(d: dict[str, Any], names: dict[str, str]) -> str:
     """What the added effect is worth in the test that was furthest off."""
     known = [t for t in d["gap"]["tests"]
              if t["unit"] == d["gap"]["unit"] and None not in t["held_out"].values()]
@@ -85,7 +85,8 @@ def _promise(d: dict[str, Any]) -> str:
         return ""
     test = max(known, key=lambda t: t["held_out"]["before"])
     before, retuned, patched = (test["held_out"][s] for s in figures.STATES)
-    return (f"With that added, “{escape(test['title'])}” is predicted within <b>{patched:.2g} "
+    added = "that" if d["verdict"] != "ambiguous" else " and ".join(names.get(one, one) for one in d["patch"])
+    return (f"With {escape(added)} added, “{escape(test['title'])}” is predicted within <b>{patched:.2g} "
             f"{test['unit']}</b> at loads that the fit has not seen, instead of {before:.2g} "
             f"({_change(before, patched)}); adjusting the old model instead leaves {retuned:.2g} "
             f"({_change(before, retuned)}).")
@@ -212,16 +213,17 @@ def _effects(d: dict[str, Any]) -> Iterator[str]:
     yield "</table>"
 
 
-def _next(d: dict[str, Any]) -> Iterator[str]:
+def _next(d: dict[str, Any], names: dict[str, str]) -> Iterator[str]:
     if d["verdict"] == "none":
         return
     yield "<h2>What to measure next</h2>"
     if d["next_test"] is not None:
-        yield (f"<p>{escape(d['next_test']['words'].capitalize())}. It tells apart: "
-               f"{escape(', '.join(d['next_test']['separates']))}.</p>")
+        words = d["next_test"]["words"]
+        told = ", ".join(names.get(one, one) for one in d["next_test"]["separates"])
+        yield f"<p>{escape(words[0].upper() + words[1:])}. It tells apart: {escape(told)}.</p>"
     if d["verdict"] in ("named", "pair"):
-        direct = "; ".join(escape(e["settle"]) for e in d["effects"])
-        yield f"<p>To settle it without any model: {direct}.</p>"
+        if direct := "; ".join(escape(e["settle"]) for e in d["effects"] if not e["settled"]):
+            yield f"<p>To settle it without any model: {direct}.</p>"
     elif d["verdict"] == "outside":
         yield ("<p>No test can be proposed for what is unknown. Repeat the test that is furthest off, with "
                "more loads where it is, and look at what the finger does there.</p>")

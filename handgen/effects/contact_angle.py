@@ -19,6 +19,7 @@ class ContactAngle(Effect):
     signature = "fingertip forces read low by the same share at every pressure; nothing else changes"
     source = 'Section 5.2.4: "the balance only measures the vertical component"'
     settle = "a photograph from the side at the largest pressure; or a balance tilted by a known angle"
+    settled_by = ("force_angle",)
     parameters = (Parameter(
         "angle", "deg", 0.0, 60.0, 0.0, Prior("normal", (30.0, 12.0)),
         "between the force and the balance's axis"),)

@@ -35,6 +35,8 @@ class Effect:
     """Section of the source thesis, or literature."""
     settle: str
     """The direct measurement that settles it."""
+    settled_by: tuple[str, ...] = ()
+    """Observables that are this measurement, where a test can be it."""
     parameters: tuple[Parameter, ...]
     told_by: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     """Effects that show the same until a test goes a certain way (its `path`) or reads a certain thing:

@@ -17,6 +17,7 @@ class PressureGain(Effect):
     source = ("the MPX4250AP is ratiometric: a supply 5 % off reads 5 % off (data sheet); leaks lose "
               "pressure on the way to the chamber")
     settle = "a manometer or a water column at the actuator's own tube, at two pressures"
+    settled_by = ("chamber_pressure",)
     parameters = (Parameter(
         "factor", "1", 0.75, 1.25, 1.0, Prior("normal", (1.0, 0.1)),
         "pressure in the chamber over that of the gauge"),)

@@ -17,6 +17,7 @@ class PressureOffset(Effect):
     source = ("data sheet of the MPX4250AP, an absolute sensor: 1.4 % of 250 kPa, and the weather's air "
               "pressure")
     settle = "open the line to the air and read the gauge; a water column for a second point"
+    settled_by = ("chamber_pressure",)
     parameters = (Parameter(
         "offset", "kPa", -12.0, 12.0, 0.0, Prior("normal", (0.0, 5.0)),
         "pressure in the chamber less that of the gauge"),)

@@ -29,7 +29,7 @@ from tests.worlds.outside import OUTSIDE
 
 FRESH = 190_000
 """First seed of what is published; seeds below are for finding out what goes wrong."""
-COUNT = {"none": 600, "single": 80, "large": 100, "outside": 80, "pair": 240, "large pair": 1500,
+COUNT = {"none": 600, "single": 80, "large": 100, "outside": 80, "pair": 240, "large pair": 6000,
          "outlier": 4, "one repeat": 1, "missing": 2, "five points": 1,
          "tolerance x2": 6, "noise x4": 6, "wrong priors": 6}
 """Draws a kind; of singles and of what is done to singles: an effect; of outside: a cause. Of the large ones
