@@ -93,3 +93,15 @@ def test_an_evidence_is_the_mean_of_gaussians_each_with_what_is_open_at_its_size
                               for p, k in zip(predictions, one.nearest, strict=True)])) for y in data]
     found = limit.log_evidence([one, one], data, errors, scored)
     assert found - np.log(2 * np.pi) == pytest.approx(wanted)
+
+
+def test_each_draw_is_judged_by_the_tests_that_were_done_in_it():
+    rng = np.random.default_rng(1)
+    pairs = {two: [limit.Branch(rng.normal(size=(3, 4)), np.eye(4)[None], np.zeros(3, int))]
+             for two in (("a", "b"), ("a", "c"))}
+    data, odds, owner = rng.normal(size=(3, 4)), np.ones(3), np.array(["one", "one", "two", "three"])
+    known = [frozenset({"one"}), frozenset({"one", "three"}), frozenset({"one"})]
+    found = limit.by_each(pairs, data, odds, np.eye(4), owner, known)
+    for i, scored in enumerate(([0, 1], [0, 1, 3], [0, 1])):
+        alone = limit.posterior(pairs, data[i:i + 1], odds[i:i + 1], np.eye(4), np.array(scored))
+        assert found[i] == pytest.approx(alone[0])

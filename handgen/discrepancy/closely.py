@@ -30,7 +30,9 @@ SHORT, NEAR = 3, 6.0
 """Effects beside a known one that are simulated anew: so many at most, whose log evidence is so near the best
 one's."""
 PAIRS, ROUNDS = 4, 2
-"""Pairs that are simulated together: so many at a time, the most probable, and so often."""
+"""Pairs that are simulated together: so many at a time, the most probable, and so often. With every pair
+simulated so, the large pairs of a study came out the same: both named in 17 and, after more tests, 28 %, for
+17 and 30."""
 
 
 class Anew(Protocol):

@@ -291,6 +291,16 @@ def _rows(waiting: list[Draw], files: tuple[str, str], workers: int) -> Iterator
             yield job.result()
 
 
+def rows_file(folder: Path, seed: int) -> Path:
+    return folder / f"rows-{seed}.jsonl"
+
+
+def rows_of(folder: Path, seed: int) -> dict[str, dict]:
+    """What the study by `seed` has judged so far, by draw."""
+    rows = map(json.loads, rows_file(folder, seed).read_text().splitlines())
+    return {row["key"]: row for row in rows}
+
+
 def main() -> None:
     from handgen.discrepancy.library import Library
     from tests.benchmarks import diagnosis_close, diagnosis_library, diagnosis_table
@@ -306,11 +316,11 @@ def main() -> None:
     parser.add_argument("--close", type=Path, default=diagnosis_close.SHIPPED)
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
-    rows = asked.folder / f"rows-{asked.seed}.jsonl"
+    rows = rows_file(asked.folder, asked.seed)
     draws = [draw for draw in plan(asked.seed, asked.share) if not asked.kinds or draw.kind in asked.kinds]
     draws = list(judgeable(draws, Library.load(asked.library), asked.least))
     study(draws, asked.library, asked.close, rows, asked.workers)
-    print(diagnosis_table.tables([json.loads(line) for line in rows.read_text().splitlines()]))
+    print(diagnosis_table.tables(list(rows_of(asked.folder, asked.seed).values())))
 
 
 if __name__ == "__main__":
