@@ -23,6 +23,8 @@ class Dense:
     """(m, n), NaN where the simulation found no balance."""
     log_weights: np.ndarray
     """(m,), their exponentials add up to 1."""
+    last: np.ndarray
+    """(m,) whether the simulation found no balance at the next value, so that more cannot be judged."""
 
     def on(self, points: np.ndarray) -> Dense:
         """Only the values that have a prediction at all of `points`: what was not read forbids nothing."""
@@ -32,7 +34,8 @@ class Dense:
         weights = self.log_weights[there]
         if len(weights):
             weights = weights - np.logaddexp.reduce(weights)
-        return Dense(self.values[there], self.predictions[there], weights)
+        return Dense(self.values[there], self.predictions[there], weights,
+                     (self.last | _beside(self.values, ~there))[there])
 
 
 def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictions: np.ndarray,
@@ -57,8 +60,19 @@ def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictio
         weight = np.multiply.outer(weight, more)
     weight, found = weight.ravel(), found.reshape(-1, predictions.shape[-1])
     usable = np.isfinite(found).any(axis=1) & (weight > 0)
+    last = _beside(values, np.isnan(found).all(axis=1) & (weight > 0))[usable]
     values, found, weight = values[usable], found[usable], weight[usable]
-    return Dense(values, found, np.log(weight / weight.sum()) if len(weight) else weight)
+    return Dense(values, found, np.log(weight / weight.sum()) if len(weight) else weight, last)
+
+
+def _beside(values: np.ndarray, marked: np.ndarray) -> np.ndarray:
+    """(m,) which of the `values` (m, d) of a grid stand next to one that is `marked`."""
+    at = tuple(np.unique(column, return_inverse=True)[1] for column in values.T)
+    near = np.zeros([2 + len(np.unique(column)) for column in values.T], bool)
+    for i in range(len(at)):
+        for step in (-1, 1):
+            near[tuple(1 + one[marked] + step * (i == j) for j, one in enumerate(at))] = True
+    return near[tuple(1 + one for one in at)]
 
 
 def _along(axis: np.ndarray, rows: np.ndarray, line: np.ndarray) -> np.ndarray:

@@ -73,7 +73,8 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
         "retuned": _nuisances(found, retuned),
         "patched": _nuisances(found, patched),
         "checks": [asdict(one) for one in found.findings],
-        "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found), *_beside(found)],
+        "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found), *_cut(found),
+                  *_beside(found)],
         "curves": _curves(found),
         "bends_solved": found.solved,
         "handgen_version": __version__,
@@ -252,6 +253,16 @@ def _vetoed(found: Diagnosis) -> list[str]:
         f"misfit "
         f"{best.p_value:.1g}"
     ]
+
+
+def _cut(found: Diagnosis) -> list[str]:
+    """Sizes beyond which the model cannot follow the readings."""
+    best = found.scores.hypotheses[0]
+    if found.verdict.word != "ambiguous":
+        return []
+    return [f"beyond the model: {best.id} is the most probable explanation, and is so with the last size of "
+            f"{name} that the model finds a balance for: more of it, or something else, cannot be judged"
+            for name in best.cut]
 
 
 def _beside(found: Diagnosis) -> list[str]:

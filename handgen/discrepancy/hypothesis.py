@@ -46,6 +46,8 @@ class Hypothesis:
     """Of the scored residuals, against everything that the hypothesis leaves open."""
     freedoms: int
     p_value: float
+    cut: tuple[str, ...] = ()
+    """Effects of which the most probable size is the last that the simulation found a balance for."""
 
     @property
     def refuted(self) -> bool:
@@ -75,6 +77,7 @@ class Draft:
     count: int
     """Parameters of its effects."""
     problem: Problem
+    cut: tuple[str, ...] = ()
 
     outside = Hypothesis.outside
 

@@ -52,7 +52,8 @@ def drafts(problem: Problem, names: Sequence[str]) -> list[Draft]:
         if more is not None:
             centre = centre + more.first[i] * more.second[j] * more.excess
         result.append(Draft(library.called(a, b), (a, b), log_sum(posterior.ravel()), parameters, centre,
-                            len(parameters[a]) + len(parameters[b]), problem))
+                            len(parameters[a]) + len(parameters[b]), problem,
+                            tuple(name for name, last in ((a, first.last[i]), (b, second.last[j])) if last)))
     return result
 
 

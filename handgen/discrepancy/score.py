@@ -119,6 +119,8 @@ class Grid:
     values: np.ndarray
     predictions: np.ndarray
     log_weights: np.ndarray
+    last: np.ndarray
+    """See `Dense.last`."""
     white: tuple[np.ndarray, ...]
     """Whitened residuals (m, s) of each scale."""
     log_densities: np.ndarray
@@ -133,7 +135,7 @@ class Grid:
         densities = np.array([
             whiten.log_norm - (w**2).sum(axis=1) / 2 + np.log(share)
             for whiten, w, share in zip(whiteners, white, shares, strict=True)])
-        return cls(name, dense.values, dense.predictions, dense.log_weights, white, densities)
+        return cls(name, dense.values, dense.predictions, dense.log_weights, dense.last, white, densities)
 
 
 def _none(problem: Problem) -> Draft:
@@ -150,8 +152,9 @@ def _single(problem: Problem, grid: Grid) -> Draft:
     if len(grid.values) == 0:
         return Draft(name, (grid.id,), -np.inf, {grid.id: ()}, library.baseline, 0, problem)
     posterior = np.logaddexp.reduce(grid.log_densities) + grid.log_weights
+    best = int(posterior.argmax())
     return Draft(name, (grid.id,), log_sum(posterior), {grid.id: estimates(names, grid.values, posterior)},
-                 grid.predictions[int(posterior.argmax())], len(names), problem)
+                 grid.predictions[best], len(names), problem, (grid.id,) if grid.last[best] else ())
 
 
 def _ordered(found: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
@@ -193,7 +196,7 @@ def _hypothesis(draft: Draft, probability: float) -> Hypothesis:
     return Hypothesis(draft.id, (*library.on, *draft.ids), draft.log_evidence, probability,
                       {**_sizes(library, nuisances, left), **draft.parameters}, nuisances, left,
                       draft.centre, draft.centre + slopes @ nuisances, size, freedoms,
-                      float(chdtrc(freedoms, size)))
+                      float(chdtrc(freedoms, size)), draft.cut)
 
 
 def _sizes(library: Library, nuisances: np.ndarray, left: np.ndarray) -> dict[str, tuple[Estimate, ...]]:

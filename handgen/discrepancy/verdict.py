@@ -99,12 +99,12 @@ def _of_readings(scores: Scores, known: tuple[str, ...]) -> Verdict:
         return said("none", (), best.probability)
     if best.outside or not beside:
         return said("ambiguous", _effects(scores, held), _sum(scores, held))
-    both = len(beside) == 2 and best.probability >= SURE
+    both = len(beside) == 2 and best.probability >= SURE and not best.cut
     if both and not _one_may_do(scores, known, beside):
         return _parted(said("pair", best.ids, best.probability), scores)
     # One effect may be certain where it is open whether another one is there as well
-    sure = [name for name in beside
-            if scores.present(name) >= SURE and _alone(scores, known, name).p_value >= MISFIT]
+    sure = [name for name in beside if scores.present(name) >= SURE
+            and _nameable(_alone(scores, known, name))]
     found = said("ambiguous", _effects(scores, held), _sum(scores, held))
     if sure:
         one = _likeliest_alone(scores, known, sure)
@@ -135,6 +135,12 @@ def _one_may_do(scores: Scores, known: tuple[str, ...], pair: tuple[str, ...]) -
 def _alone(scores: Scores, known: tuple[str, ...], name: str) -> Hypothesis:
     """One effect and no other beside those that are known."""
     return scores["+".join((*known, name))]
+
+
+def _nameable(one: Hypothesis) -> bool:
+    """Whether it fits, at a size short of what could be simulated: else a rival may have been cut off there
+    as well, and how probable it is among those that are left says little."""
+    return one.p_value >= MISFIT and not one.cut
 
 
 def _likeliest_alone(scores: Scores, known: tuple[str, ...], names: Sequence[str]) -> Hypothesis:
