@@ -5,7 +5,7 @@ and gauges scatter and from which ranges their effects are drawn; it has no mode
 two effects are hidden. What it cannot name is not in the readings, for any diagnosis. An explanation is a
 Gaussian about the world's own predictions at every two sizes; what else is drawn (fingers, gauges, powers of
 laws) goes in to first order. It reads the three tests, these and what the study in FOLDER asked for, and all.
-Fifteen minutes on two cores.
+Twenty minutes on two cores.
 """
 
 from __future__ import annotations
