@@ -1,7 +1,9 @@
 """`handgen diagnose` from a measurements file to its page, with a solver in closed form."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from handgen.discrepancy.closely import PAIRS, ROUNDS, SHORT
 from handgen.discrepancy.simulated import Simulation
 from handgen.effects import Effect, Parameter, Prior, registry
 from handgen.measurements.load import load_measurements
+from handgen.simulation.case import State
 from tests.benchmarks import diagnosis_close
 from tests.quick_bends import curve
 
@@ -130,6 +133,32 @@ def test_a_pair_that_is_likelier_than_what_is_named_gets_the_test_that_tells(tmp
     main(["diagnose", str(measurements), "--model", "calibrated", "--out", str(tmp_path / "again"),
           "--workers", "1"])
     assert f"measure next: {told['words']}" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_size_that_the_model_can_just_follow_is_told_and_not_named(tmp_path, capsys, monkeypatch):
+    """A curl by more than 22 degrees finds no balance at 60 kPa; the true one is 25."""
+    measurements, _ = campaign(tmp_path, 1.0, effects=[("rest_curl", {"angle": 25.0})])
+    _, whole = diagnose(capsys, measurements, "calibrated", tmp_path / "whole")
+    assert (whole["verdict"], [one["id"] for one in whole["effects"]]) == ("named", ["rest_curl"])
+    drawn = None
+
+    def ends(asked):
+        nonlocal drawn
+        found, finger = curve(asked.case), asked.case.finger
+        if finger is not None:
+            curl = sum(joint.rest_angle for joint in finger.finger.joints)
+            drawn = curl if drawn is None else drawn
+            if curl - drawn > 22:
+                found = replace(found, states=tuple(
+                    State(s.pressure, s.tip_load, False) if s.pressure > 0.055 else s for s in found.states))
+        return SimpleNamespace(curve=found)
+
+    monkeypatch.setenv("HANDGEN_CACHE", str(tmp_path / "other"))
+    monkeypatch.setattr(worker, "solve", ends)
+    _, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
+    assert found["verdict"] == "ambiguous" and found["candidates"][0]["id"] == "rest_curl"
+    assert found["effects"][0]["id"] == "rest_curl" and found["effects"][0]["probability"] > 0.9
+    assert any(flag.startswith("beyond the model: rest_curl") for flag in found["flags"])
 
 
 def test_the_likeliest_pairs_are_simulated_together(tmp_path, capsys, monkeypatch):

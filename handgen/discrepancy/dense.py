@@ -35,7 +35,7 @@ class Dense:
         if len(weights):
             weights = weights - np.logaddexp.reduce(weights)
         return Dense(self.values[there], self.predictions[there], weights,
-                     (self.last | _beside(self.values, ~there))[there])
+                     (self.last | _next_to(~there, self.values))[there])
 
 
 def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictions: np.ndarray,
@@ -60,19 +60,19 @@ def dense(axes: Sequence[np.ndarray], densities: Sequence[np.ndarray], predictio
         weight = np.multiply.outer(weight, more)
     weight, found = weight.ravel(), found.reshape(-1, predictions.shape[-1])
     usable = np.isfinite(found).any(axis=1) & (weight > 0)
-    last = _beside(values, np.isnan(found).all(axis=1) & (weight > 0))[usable]
+    last = _next_to(np.isnan(found).all(axis=1) & (weight > 0), values)[usable]
     values, found, weight = values[usable], found[usable], weight[usable]
     return Dense(values, found, np.log(weight / weight.sum()) if len(weight) else weight, last)
 
 
-def _beside(values: np.ndarray, marked: np.ndarray) -> np.ndarray:
-    """(m,) which of the `values` (m, d) of a grid stand next to one that is `marked`."""
+def _next_to(marked: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(m,) which of the `values` (m, d) of a grid are `marked` or stand next to one that is."""
+    from scipy.ndimage import binary_dilation
+
     at = tuple(np.unique(column, return_inverse=True)[1] for column in values.T)
-    near = np.zeros([2 + len(np.unique(column)) for column in values.T], bool)
-    for i in range(len(at)):
-        for step in (-1, 1):
-            near[tuple(1 + one[marked] + step * (i == j) for j, one in enumerate(at))] = True
-    return near[tuple(1 + one for one in at)]
+    grid = np.zeros([one.max() + 1 for one in at], bool)
+    grid[at] = marked
+    return binary_dilation(grid)[at]
 
 
 def _along(axis: np.ndarray, rows: np.ndarray, line: np.ndarray) -> np.ndarray:

@@ -268,7 +268,7 @@ def _judge(draw: Draw) -> dict:
 
 def study(draws: list[Draw], library: Path, close: Path, rows: Path, workers: int) -> None:
     """Judge what has no row yet; each row is written as it is found."""
-    done = {json.loads(line)["key"] for line in rows.read_text().splitlines()} if rows.exists() else set()
+    done = rows_of(rows) if rows.exists() else {}
     waiting = [draw for draw in draws if draw.key not in done]
     # Shuffled: figures of a study that is under way are figures of all kinds
     waiting = [waiting[i] for i in np.random.default_rng(0).permutation(len(waiting))]
@@ -295,10 +295,9 @@ def rows_file(folder: Path, seed: int) -> Path:
     return folder / f"rows-{seed}.jsonl"
 
 
-def rows_of(folder: Path, seed: int) -> dict[str, dict]:
-    """What the study by `seed` has judged so far, by draw."""
-    rows = map(json.loads, rows_file(folder, seed).read_text().splitlines())
-    return {row["key"]: row for row in rows}
+def rows_of(file: Path) -> dict[str, dict]:
+    """What a study has judged so far, by draw."""
+    return {row["key"]: row for row in map(json.loads, file.read_text().splitlines())}
 
 
 def main() -> None:
@@ -320,7 +319,7 @@ def main() -> None:
     draws = [draw for draw in plan(asked.seed, asked.share) if not asked.kinds or draw.kind in asked.kinds]
     draws = list(judgeable(draws, Library.load(asked.library), asked.least))
     study(draws, asked.library, asked.close, rows, asked.workers)
-    print(diagnosis_table.tables(list(rows_of(asked.folder, asked.seed).values())))
+    print(diagnosis_table.tables(list(rows_of(rows).values())))
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ import numpy as np
 
 from handgen.discrepancy.library import Library, Series
 from handgen.discrepancy.verdict import SURE
-from tests.benchmarks.diagnosis import FRESH, GIVEN, askable, judgeable, plan, rows_of
+from tests.benchmarks.diagnosis import FRESH, GIVEN, askable, judgeable, plan, rows_file, rows_of
 from tests.benchmarks.diagnosis_draws import Draw, asked, checked, hidden
 from tests.benchmarks.diagnosis_table import FORCED, share
 from tests.worlds.effects import EFFECTS
@@ -239,7 +239,7 @@ def main() -> None:
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with ProcessPoolExecutor(options.workers, get_context("spawn")) as pool:
         pairs = dict(pool.map(explained, [(two, own) for two in twos]))
-    rows = rows_of(options.folder, options.seed)
+    rows = rows_of(rows_file(options.folder, options.seed))
     errors = reading(own)
     for kind in ("pair", "large pair"):
         draws = list(judgeable((one for one in plan(options.seed) if one.kind == kind), library, 0.0))
