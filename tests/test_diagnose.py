@@ -135,6 +135,34 @@ def test_a_pair_that_is_likelier_than_what_is_named_gets_the_test_that_tells(tmp
     assert f"measure next: {told['words']}" in " ".join(capsys.readouterr().err.split())
 
 
+def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(tmp_path, capsys, monkeypatch):
+    """A core off the middle shortens the free actuator by as much towards either side."""
+    def arched(case, straight=curve):
+        found = straight(case)
+        if case.part != "actuator":
+            return found
+        by = case.offset / 0.6
+        return replace(found, states=tuple(
+            replace(s, elongation=s.elongation * (1 - 0.4 * by**2 * s.pressure / 0.06),
+                    bend_angle=by * s.pressure / 0.06) for s in found.states))
+
+    monkeypatch.setattr("tests.test_diagnose.curve", arched)
+    monkeypatch.setattr(worker, "solve", lambda asked: SimpleNamespace(curve=arched(asked.case)))
+    measurements, _ = campaign(tmp_path, 1.0, effects=[("asymmetric_winding", {"offset": -0.45})])
+    code, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
+    assert code == 1 and found["verdict"] == "named"
+    (effect,) = found["effects"]
+    (offset,) = effect["parameters"]
+    assert effect["id"] == "asymmetric_winding" and offset["low"] < -0.3 and offset["high"] > 0.3
+    assert effect["sentence"].endswith("; or it is the other way round: these readings do not tell")
+    told = found["next_test"]
+    assert told["separates"] == ["asymmetric_winding"]
+    assert (told["part"], told["observable"]["quantity"]) == ("actuator", "bend_angle")
+    page = (tmp_path / "out" / "diagnosis.html").read_text()
+    assert "It tells which way it is: asymmetric winding." in page and effect["sentence"] in page
+    assert "Which way asymmetric_winding goes these readings do not tell" in Path(found["model"]).read_text()
+
+
 def test_a_size_that_the_model_can_just_follow_is_told_and_not_named(tmp_path, capsys, monkeypatch):
     """A curl by more than 22 degrees finds no balance at 60 kPa; the true one is 25."""
     measurements, _ = campaign(tmp_path, 1.0, effects=[("rest_curl", {"angle": 25.0})])

@@ -134,3 +134,18 @@ def test_the_study_judges_as_a_diagnosis_does(library, kept, monkeypatch):
     assert asked and set().union(*asked) <= set(scores.problem.library.interplays)
     responses = scores.problem.library.responses
     assert [name for name, one in responses.items() if one.local] == ["wrong_convention"]
+
+
+def test_the_study_asks_which_way_a_winding_lies(library, kept):
+    """By the three tests it is named and its side is open; the free actuator's bend tells."""
+    draw = Draw("single", ("asymmetric_winding",), SEEDS[0], ids=diagnosis.GIVEN)
+    found = hidden(draw, library, draw.ids)
+    judged = checked(library, found)
+    scores = diagnosis.scored(judged, kept, found.observed())
+    first = diagnosis.said(scores)
+    assert first["effects"] == ("asymmetric_winding",) and first["sides"] == {"asymmetric_winding": 0.0}
+    after = diagnosis.ask(draw, judged, kept, "best", scores)
+    assert after["tests"] == ["ask-actuator-bend-angle-weightless-loading"]
+    row = {"sizes": found.sizes, **after}
+    assert row["sides"]["asymmetric_winding"] * found.sizes[0] > 0 and diagnosis_table.right_way(row)
+    assert not diagnosis_table.right_way(row | {"sizes": [-found.sizes[0]]})

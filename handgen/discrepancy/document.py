@@ -11,6 +11,7 @@ from handgen import __version__
 from handgen.discrepancy.candidates import words
 from handgen.discrepancy.gap import STATES, gaps, pooled, unit_of
 from handgen.discrepancy.run import Diagnosis
+from handgen.discrepancy.sides import either_way
 from handgen.effects import catalogue
 
 SCHEMA = "handgen.diagnosis/1"
@@ -83,6 +84,7 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
 
 def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
     effect = catalogue()[name]
+    either = name in either_way(found.verdict)
     fitted = found.patched.effects().get(name)
     estimates = next((h.parameters[name] for h in found.scores.hypotheses if name in h.ids), ())
     if found.verdict.best.ids and name in found.verdict.best.ids:
@@ -94,7 +96,9 @@ def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
             sigma = found.patched.sigma(name, estimate.name)
             about = next(p for p in effect.parameters if p.name == estimate.name)
             value = fitted[estimate.name]
-            low, high = max(value - 1.96 * sigma, about.low), min(value + 1.96 * sigma, about.high)
+            near = max(value - 1.96 * sigma, about.low), min(value + 1.96 * sigma, about.high)
+            # The fit knows but the side that it began on
+            low, high = (min(low, near[0]), max(high, near[1])) if either else near
         unit = next(p.unit for p in effect.parameters if p.name == estimate.name)
         parameters.append(
             {
@@ -106,6 +110,8 @@ def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
             }
         )
     said = effect.said({p["name"]: p["value"] for p in parameters})
+    if either:
+        said += "; or it is the other way round: these readings do not tell"
     return {
         "id": name,
         "name": effect.name,

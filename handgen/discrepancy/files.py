@@ -12,6 +12,7 @@ from handgen.discrepancy import figures, patch
 from handgen.discrepancy.document import document
 from handgen.discrepancy.page import page
 from handgen.discrepancy.run import Diagnosis
+from handgen.discrepancy.sides import either_way
 from handgen.effects import catalogue
 from handgen.errors import InputError, Problem
 
@@ -73,6 +74,8 @@ def _head(found: Diagnosis) -> list[str]:
         f"Verdict: {found.verdict.word}"
         + (f", {', '.join(found.verdict.effects)}" if found.verdict.effects else ""),
     ]
+    lines += [f"Which way {name} goes these readings do not tell: it may be the other"
+              for name in either_way(found.verdict)]
     nuisances = found.patched.nuisances()
     lines += [
         f"Of the measurement, no part of a model: {name} {value:+.3g}"

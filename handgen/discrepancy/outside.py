@@ -1,4 +1,10 @@
-"""Something that no effect of the catalogue explains: a Gaussian process on the residual of each kind."""
+"""Something that no effect of the catalogue explains: a Gaussian process on the residual.
+
+Over the load, of each kind of test by itself, where the simulation lacks something. Or over what is read,
+the same in all tests that read it, where the reading is off: a camera that looks from the side draws out what
+lies far from its axis, in whichever test. A scale that is off is the simplest of these, and no name for the
+others.
+"""
 
 from __future__ import annotations
 
@@ -19,26 +25,54 @@ ABSENT = 0.5
 """Prior probability that a kind of test is not touched."""
 MOST_KINDS = 4
 """Beyond, all kinds have one amplitude in common: there would be too many combinations."""
+OF_READING = 0.1
+"""Prior probability that it is the reading: as many of the catalogue's effects are, two of 18."""
 
 
-def kernels(problem: Problem, rows: np.ndarray, columns: np.ndarray, length: float) -> list[np.ndarray]:
-    """Of each kind of test: covariance of the process with amplitude 1 between points of the library.
+def processes(problem: Problem, rows: np.ndarray, columns: np.ndarray,
+              length: float) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Covariances with amplitude 1 between points of the library: (of each kind of test over the load, of
+    each quantity that more than one kind reads over the reading).
 
-    What is read directly is no part of it: a process is a lack of the simulation.
+    What is read directly is no part of it: a process is a lack of the simulation, or of the eye. A quantity
+    that only one kind reads would be a process over the load once more.
     """
     library = problem.library
-    kinds = np.array(["" if test.direct else test.kind for test in library.tests])[library.owner]
+    kinds = np.array(["" if test.direct else test.kind for test in library.tests])
+    scored = [library.tests[i] for i in set(library.owner[problem.scored])]
+    read_of = {quantity: len({test.kind for test in scored if test.quantity == quantity})
+               for quantity in {test.quantity for test in scored if not test.direct}}
+    read = np.array([test.quantity if read_of.get(test.quantity, 0) > 1 else "" for test in library.tests])
+    there = np.nan_to_num(np.abs(library.baseline))
+    return (_over(problem, kinds[library.owner], library.loads, rows, columns, length),
+            _over(problem, read[library.owner], there, rows, columns, length))
+
+
+def _over(problem: Problem, groups: np.ndarray, along: np.ndarray, rows: np.ndarray, columns: np.ndarray,
+          length: float) -> list[np.ndarray]:
+    """Of each of the `groups` (n,) of points that is scored, a process over `along` (n,)."""
     found = []
-    for kind in dict.fromkeys(kinds[problem.scored]):
-        if not kind:
+    for group in dict.fromkeys(groups[problem.scored]):
+        if not group:
             continue
-        mine = kinds == kind
-        reach = float(library.loads[mine].max()) or 1.0
-        size = float(np.nanmax(np.abs(library.baseline[mine]))) or 1.0
-        distance = (library.loads[rows][:, None] - library.loads[columns][None, :]) / (length * reach)
+        mine = groups == group
+        reach = float(along[mine].max()) or 1.0
+        size = float(np.nanmax(np.abs(problem.library.baseline[mine]))) or 1.0
+        distance = (along[rows][:, None] - along[columns][None, :]) / (length * reach)
         both = mine[rows][:, None] & mine[columns][None, :]
         found.append(np.where(both, size**2 * np.exp(-distance**2 / 2), 0.0))
     return found
+
+
+def amplitudes(kinds: int, readings: int) -> list[tuple[tuple[float, ...], float]]:
+    """(amplitude of each process, prior log weight): some of the kinds, or else one of the readings."""
+    if not readings:
+        return combinations(kinds)
+    simulation = [((*row, *(0.0,) * readings), weight + float(np.log(1 - OF_READING)))
+                  for row, weight in combinations(kinds)]
+    alone = [tuple(a if i == kinds + which else 0.0 for i in range(kinds + readings))
+             for which in range(readings) for a in AMPLITUDES]
+    return simulation + [(row, float(np.log(OF_READING / len(alone)))) for row in alone]
 
 
 def combinations(count: int) -> list[tuple[tuple[float, ...], float]]:
@@ -64,9 +98,10 @@ def log_evidence(problem: Problem, baseline: np.ndarray,
     everywhere = np.arange(problem.library.size)
     terms, parts = [], []
     for length in LENGTHS:
-        near = np.array(kernels(problem, rows, rows, length))
-        far = np.array(kernels(problem, everywhere, rows, length))
-        squares, weights = (np.array(x) for x in zip(*combinations(len(near)), strict=True))
+        of_kinds, readings = processes(problem, rows, rows, length)
+        near = np.array(of_kinds + readings)
+        far = np.array(list(itertools.chain(*processes(problem, everywhere, rows, length))))
+        squares, weights = (np.array(x) for x in zip(*amplitudes(len(of_kinds), len(readings)), strict=True))
         squares = squares**2
         added = np.tensordot(squares, near, axes=1)
         for scale, share in zip(SCALES, SCALE_WEIGHTS, strict=True):

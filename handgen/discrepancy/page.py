@@ -219,8 +219,9 @@ def _next(d: dict[str, Any], names: dict[str, str]) -> Iterator[str]:
     yield "<h2>What to measure next</h2>"
     if d["next_test"] is not None:
         words = d["next_test"]["words"]
-        told = ", ".join(names.get(one, one) for one in d["next_test"]["separates"])
-        yield f"<p>{escape(words[0].upper() + words[1:])}. It tells apart: {escape(told)}.</p>"
+        told = [escape(names.get(one, one)) for one in d["next_test"]["separates"]]
+        what = f"apart: {', '.join(told)}" if len(told) > 1 else f"which way it is: {told[0]}"
+        yield f"<p>{escape(words[0].upper() + words[1:])}. It tells {what}.</p>"
     if d["verdict"] in ("named", "pair"):
         if direct := "; ".join(escape(e["settle"]) for e in d["effects"] if not e["settled"]):
             yield f"<p>To settle it without any model: {direct}.</p>"

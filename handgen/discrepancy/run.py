@@ -21,6 +21,7 @@ from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.readings import chosen, observed_of
 from handgen.discrepancy.refit import Fitted, Refit
 from handgen.discrepancy.score import Scores, score_problem
+from handgen.discrepancy.sides import either_way, which_way
 from handgen.discrepancy.simulated import Simulation
 from handgen.discrepancy.verdict import Verdict, verdict
 from handgen.discrepancy.worker import Bends
@@ -116,7 +117,7 @@ def diagnose(
         problem = scores.problem if said.known else plain.problem
         patched = Refit(simulation, problem, left_open, said.best.ids, "patched").run(said.best)
     asked = None
-    if said.word == "ambiguous" or said.or_both:
+    if said.word == "ambiguous" or said.or_both or either_way(said):
         asked = _next(wider if said.known else simulation, scores, said, observed)
     located = tuple(locate(plain.problem.library, observed))
     return Diagnosis(
@@ -164,11 +165,15 @@ def _next(simulation: Simulation, scores: Scores, said: Verdict,
     if not asked:
         return None
     simulation.bends.progress("which test next")
-    wider = replace(simulation, tests=(*simulation.tests, *asked))
-    likely = dict.fromkeys(name for one in said.candidates for name in scores[one].ids)
-    library = simulated.library(wider, only=list(likely)[:MOST], members=simulated.FEW)
-    again = score_problem(Problem.of(library, observed))
-    proposal = next_test(again, [test.id for test in asked], SIGMAS, said.untold, said.or_both)
+    wider, names = replace(simulation, tests=(*simulation.tests, *asked)), [test.id for test in asked]
+    ways = either_way(said)
+    likely = list(ways) or list(dict.fromkeys(name for one in said.candidates for name in scores[one].ids))
+    library = simulated.library(wider, only=likely[:MOST], members=simulated.FEW)
+    problem = Problem.of(library, observed)
+    if ways:
+        proposal = which_way(problem, ways, names)
+    else:
+        proposal = next_test(score_problem(problem), names, SIGMAS, said.untold, said.or_both)
     return None if proposal is None else (next(t for t in asked if t.id == proposal.test), proposal)
 
 

@@ -21,7 +21,7 @@ from tests.benchmarks.diagnosis_table import FORCED, share
 from tests.worlds.effects import EFFECTS
 from tests.worlds.outside import OUTSIDE
 
-FRESH = 220_000
+FRESH = 260_000
 """First seed of what is published."""
 COUNT = {"nothing": 200, "effect": 100, "outside": 30}
 """Draws a kind; an effect, or a cause outside the catalogue. Of the effects those are judged that are

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from handgen.discrepancy.sides import signed
+
 Rows = Sequence[dict]
 NAMING = ("named", "pair")
 PRIOR = {"none": 0.4, "single": 0.3, "pair": 0.1, "outside": 0.2}
@@ -238,7 +240,19 @@ def _asking(kinds) -> list[str]:
                 lines.append(f"    {how:6s} names {part(rows, names)} [>= 85]; right "
                              f"{part(filter(names, rows), right)} "
                              f"[>= 95]; {extra:.2f} more tests a finger [<= 1]")
+    for words, rows in (("given", seen(kinds)), ("asked-for", asked_for(seen(kinds)))):
+        sided = [row for row in rows if right(row) and row["sides"]]
+        told = [row for row in sided if all(row["sides"].values())]
+        lines.append(f"  which way a named effect of either sign goes, {words} tests: said "
+                     f"{share(len(told), len(sided))}, and right {part(told, right_way)}")
     return lines
+
+
+def right_way(row: dict) -> bool:
+    """The named effect lies on the side of none that it truly lies on."""
+    ((name, side),) = row["sides"].items()
+    size = signed(name)
+    return size is not None and side * (row["sizes"][0] - size.null) > 0
 
 
 def _pairs(kinds) -> list[str]:
