@@ -135,6 +135,20 @@ def test_a_pair_that_is_likelier_than_what_is_named_gets_the_test_that_tells(tmp
     assert f"measure next: {told['words']}" in " ".join(capsys.readouterr().err.split())
 
 
+def test_a_camera_that_draws_out_long_drops_is_something_unknown_in_the_reading(tmp_path, capsys):
+    def slanting(data):
+        for test in data["tests"]:
+            if test["observable"]["quantity"] == "tip_drop":
+                away = (np.array(test["repeats"]) - 45) / 40
+                test["repeats"] = np.round(2 * (45 + 40 * away + 14 * away * np.abs(away))) / 2
+                test["repeats"] = test["repeats"].tolist()
+
+    code, found = diagnose(capsys, campaign(tmp_path, 1.0, spoil=slanting)[0], "calibrated", tmp_path / "out")
+    assert (code, found["verdict"], found["effects"]) == (1, "outside", [])
+    (flag,) = [one for one in found["flags"] if one.startswith("unknown: rather in the reading")]
+    assert flag in (tmp_path / "out" / "diagnosis.html").read_text()
+
+
 def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(tmp_path, capsys, monkeypatch):
     """A core off the middle shortens the free actuator by as much towards either side."""
     def arched(case, straight=curve):

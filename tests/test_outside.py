@@ -1,11 +1,12 @@
 """Something unknown over the load of a kind of test, or over what is read, in all tests that read it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from handgen.discrepancy import outside
+from handgen.discrepancy import document, outside
 from handgen.discrepancy.library import Response
 from handgen.discrepancy.problem import Problem
 from handgen.discrepancy.score import score
@@ -59,6 +60,22 @@ def test_a_distorted_reading_is_learned_in_one_test_for_another():
     up, wrong = lib.points("up"), (drawn_out(lib, 12.0) - lib.baseline)
     assert learned[up][-1] == pytest.approx(wrong[up][-1], abs=3.0) and wrong[up][-1] > 5
     assert learned[lib.points("angle")] == pytest.approx(0.0, abs=0.5)
+
+
+def test_it_is_told_whether_the_reading_or_the_finger_is_off():
+    lib = scaled()
+    bumped = lib.baseline + np.where(lib.owner == 2, 8.0 * np.sin(np.pi * lib.loads / 60), 0.0)
+    shares = [outside.share_of_reading(Problem.of(lib, readings(lib, seen)), lib.baseline)
+              for seen in (drawn_out(lib, 12.0), bumped)]
+    assert shares[0] > 0.9 and shares[1] < 0.05
+    scores = score(lib, readings(lib, drawn_out(lib, 12.0)))
+    found = SimpleNamespace(scores=scores, verdict=verdict(scores))
+    (flag,) = document._unknown(found)
+    assert flag.startswith("unknown: rather in the reading")
+    assert not document._unknown(SimpleNamespace(scores=scores, verdict=replace(found.verdict, word="none")))
+    scores = score(lib, readings(lib, bumped))
+    assert verdict(scores).word == "outside"
+    assert not document._unknown(SimpleNamespace(scores=scores, verdict=verdict(scores)))
 
 
 def test_a_quantity_has_a_process_of_its_own_where_two_kinds_read_it():

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from handgen import __version__
+from handgen.discrepancy import outside
 from handgen.discrepancy.candidates import words
 from handgen.discrepancy.gap import STATES, gaps, pooled, unit_of
 from handgen.discrepancy.run import Diagnosis
 from handgen.discrepancy.sides import either_way
+from handgen.discrepancy.verdict import RATHER
 from handgen.effects import catalogue
 
 SCHEMA = "handgen.diagnosis/1"
@@ -75,7 +77,7 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
         "patched": _nuisances(found, patched),
         "checks": [asdict(one) for one in found.findings],
         "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found), *_cut(found),
-                  *_beside(found)],
+                  *_beside(found), *_unknown(found)],
         "curves": _curves(found),
         "bends_solved": found.solved,
         "handgen_version": __version__,
@@ -279,6 +281,19 @@ def _beside(found: Diagnosis) -> list[str]:
     first = next(h for h in found.scores.hypotheses if h.more_than(named))
     return [f"beside {' and '.join(named)} something more may be missing ({100 * more:.0f} %), "
             f"most likely {first.id} ({100 * first.probability:.0f} %): these readings cannot tell"]
+
+
+def _unknown(found: Diagnosis) -> list[str]:
+    """Whether what is unknown looks like a reading that is off."""
+    problem = found.scores.problem
+    if found.verdict.word != "outside":
+        return []
+    share = outside.share_of_reading(problem, problem.library.baseline)
+    if share <= RATHER:
+        return []
+    return [f"unknown: rather in the reading ({100 * share:.0f} %) than in what the finger does, for tests "
+            "are off alike where they read alike: photograph a ruler along all that is read, from where the "
+            "readings were taken"]
 
 
 def _curves(found: Diagnosis) -> list[dict[str, Any]]:

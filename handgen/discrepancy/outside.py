@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,10 +18,10 @@ from handgen.discrepancy.gaussian import log_sum
 from handgen.discrepancy.problem import SCALE_WEIGHTS, SCALES, Problem
 
 AMPLITUDES = (0.05, 0.12, 0.3)
-"""Of the process, as shares of the largest prediction of its kind; less is what a mesh and fingers within
+"""Of the process, as shares of the largest prediction that it moves; less is what a mesh and fingers within
 tolerance leave open anyway, and no finding."""
 LENGTHS = (0.35, 1.0)
-"""Over which it changes, as shares of the largest load."""
+"""Over which it changes, as shares of the largest load, or reading."""
 ABSENT = 0.5
 """Prior probability that a kind of test is not touched."""
 MOST_KINDS = 4
@@ -86,6 +87,35 @@ def combinations(count: int) -> list[tuple[tuple[float, ...], float]]:
     return [(row, weight - norm) for row, weight in rows]
 
 
+@dataclass(frozen=True)
+class Weighed:
+    """Processes of one length, at one scale of the structural error: c amplitudes of k processes."""
+
+    logs: np.ndarray
+    """(c,) how well each foresaw the data, with its prior."""
+    squares: np.ndarray
+    """(c, k) amplitudes squared."""
+    of_reading: np.ndarray
+    """(c,) whether it is the reading that is off."""
+    mean: np.ndarray
+    """(c, s) residual over its covariance."""
+
+
+def _weighed(problem: Problem, baseline: np.ndarray, ids: Sequence[str], length: float) -> list[Weighed]:
+    rows = problem.scored
+    residual = problem.data - baseline[rows]
+    of_kinds, readings = processes(problem, rows, rows, length)
+    squares, weights = (np.array(x) for x in zip(*amplitudes(len(of_kinds), len(readings)), strict=True))
+    squares = squares**2
+    added = np.tensordot(squares, np.array(of_kinds + readings), axes=1)
+    found = []
+    for scale, share in zip(SCALES, SCALE_WEIGHTS, strict=True):
+        densities, mean = _densities(problem.covariance(scale, ids) + added, residual)
+        found.append(Weighed(densities + weights + np.log(share / len(LENGTHS)), squares,
+                             squares[:, len(of_kinds):].any(axis=1), mean))
+    return found
+
+
 def log_evidence(problem: Problem, baseline: np.ndarray,
                  ids: Sequence[str] = ()) -> tuple[float, np.ndarray]:
     """(log evidence, learned residual at all points of the library) of a process on data - `baseline`, which
@@ -93,27 +123,23 @@ def log_evidence(problem: Problem, baseline: np.ndarray,
 
     The residual is the mean over everything that the process leaves open. It is no physics.
     """
-    rows = problem.scored
-    residual = problem.data - baseline[rows]
     everywhere = np.arange(problem.library.size)
-    terms, parts = [], []
-    for length in LENGTHS:
-        of_kinds, readings = processes(problem, rows, rows, length)
-        near = np.array(of_kinds + readings)
-        far = np.array(list(itertools.chain(*processes(problem, everywhere, rows, length))))
-        squares, weights = (np.array(x) for x in zip(*amplitudes(len(of_kinds), len(readings)), strict=True))
-        squares = squares**2
-        added = np.tensordot(squares, near, axes=1)
-        for scale, share in zip(SCALES, SCALE_WEIGHTS, strict=True):
-            densities, weighted = _densities(problem.covariance(scale, ids) + added, residual)
-            terms.append(densities + weights + np.log(share / len(LENGTHS)))
-            parts.append((squares, weighted, far))
-    total = log_sum(np.concatenate(terms))
+    found = {length: _weighed(problem, baseline, ids, length) for length in LENGTHS}
+    total = log_sum(np.concatenate([one.logs for of_length in found.values() for one in of_length]))
     learned = np.zeros(len(everywhere))
-    for term, (squares, weighted, far) in zip(terms, parts, strict=True):
-        shares = np.exp(term - total)
-        learned += np.einsum("c,ck,knm,cm->n", shares, squares, far, weighted, optimize=True)
+    for length, of_length in found.items():
+        far = np.array(list(itertools.chain(*processes(problem, everywhere, problem.scored, length))))
+        for one in of_length:
+            learned += np.einsum("c,ck,knm,cm->n", np.exp(one.logs - total), one.squares, far, one.mean,
+                                 optimize=True)
     return total, learned
+
+
+def share_of_reading(problem: Problem, baseline: np.ndarray) -> float:
+    """If it is something unknown, the probability that it is in the reading, not in what the finger does."""
+    found = [one for length in LENGTHS for one in _weighed(problem, baseline, (), length)]
+    logs = np.concatenate([one.logs for one in found])
+    return float(np.exp(logs - log_sum(logs))[np.concatenate([one.of_reading for one in found])].sum())
 
 
 def _densities(covariances: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -61,8 +61,8 @@ def _verdict(d: dict[str, Any], names: dict[str, str]) -> str:
     elif d["verdict"] == "ambiguous":
         lines.append("Still possible: " + "; ".join(_class(one, names) for one in d["classes"]) + ".")
     elif d["verdict"] == "outside":
-        lines.append("The remaining error was learned as a smooth curve over the load. That curve is no "
-                     "physics: do not use it beyond the loads that were measured.")
+        lines.append("The remaining error was learned as a smooth curve over the load, or over what is read. "
+                     "That curve is no physics: do not use it beyond what was measured.")
     lines += [line for line in (_promise(d, names),) if line]
     return '<div class="verdict">' + "<br>".join(lines) + "</div>"
 
