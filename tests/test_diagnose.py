@@ -146,7 +146,8 @@ def test_a_camera_that_draws_out_long_drops_is_something_unknown_in_the_reading(
     code, found = diagnose(capsys, campaign(tmp_path, 1.0, spoil=slanting)[0], "calibrated", tmp_path / "out")
     assert (code, found["verdict"], found["effects"]) == (1, "outside", [])
     (flag,) = [one for one in found["flags"] if one.startswith("unknown: rather in the reading")]
-    assert flag in (tmp_path / "out" / "diagnosis.html").read_text()
+    page = (tmp_path / "out" / "diagnosis.html").read_text()
+    assert flag in page and "rather the reading than the finger: photograph a ruler" in page
 
 
 def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(tmp_path, capsys, monkeypatch):

@@ -70,12 +70,15 @@ def test_it_is_told_whether_the_reading_or_the_finger_is_off():
     assert shares[0] > 0.9 and shares[1] < 0.05
     scores = score(lib, readings(lib, drawn_out(lib, 12.0)))
     found = SimpleNamespace(scores=scores, verdict=verdict(scores))
-    (flag,) = document._unknown(found)
-    assert flag.startswith("unknown: rather in the reading")
-    assert not document._unknown(SimpleNamespace(scores=scores, verdict=replace(found.verdict, word="none")))
+    share = document._in_reading(found)
+    (flag,) = document._unknown(share)
+    assert share > 0.9 and flag.startswith("unknown: rather in the reading")
+    found.verdict = replace(found.verdict, word="none")
+    assert document._in_reading(found) is None
+    assert not document._unknown(None) and not document._unknown(0.3)
     scores = score(lib, readings(lib, bumped))
-    assert verdict(scores).word == "outside"
-    assert not document._unknown(SimpleNamespace(scores=scores, verdict=verdict(scores)))
+    found = SimpleNamespace(scores=scores, verdict=verdict(scores))
+    assert found.verdict.word == "outside" and document._in_reading(found) < 0.1
 
 
 def test_a_quantity_has_a_process_of_its_own_where_two_kinds_read_it():

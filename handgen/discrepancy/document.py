@@ -27,6 +27,7 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
     before = problem.library.baseline
     unit = unit_of(problem)
     retuned, patched = found.retuned, found.patched
+    in_reading = _in_reading(found)
     return {
         "schema": SCHEMA,
         "name": found.measured.measurements.name,
@@ -71,13 +72,14 @@ def document(found: Diagnosis, model_file: str) -> dict[str, Any]:
         },
         "next_test": _next(found),
         "measure_directly": _directly(found),
+        "unknown_in_reading": in_reading,
         "model": model_file,
         "patch": list(found.patched.effects()),
         "retuned": _nuisances(found, retuned),
         "patched": _nuisances(found, patched),
         "checks": [asdict(one) for one in found.findings],
         "flags": [*(str(one) for one in found.findings), *found.flags, *_vetoed(found), *_cut(found),
-                  *_beside(found), *_unknown(found)],
+                  *_beside(found), *_unknown(in_reading)],
         "curves": _curves(found),
         "bends_solved": found.solved,
         "handgen_version": __version__,
@@ -283,17 +285,19 @@ def _beside(found: Diagnosis) -> list[str]:
             f"most likely {first.id} ({100 * first.probability:.0f} %): these readings cannot tell"]
 
 
-def _unknown(found: Diagnosis) -> list[str]:
-    """Whether what is unknown looks like a reading that is off."""
+def _in_reading(found: Diagnosis) -> float | None:
+    """Of something unknown, the probability that it is a reading that is off."""
     problem = found.scores.problem
     if found.verdict.word != "outside":
-        return []
-    share = outside.share_of_reading(problem, problem.library.baseline)
-    if share <= RATHER:
+        return None
+    return outside.share_of_reading(problem, problem.library.baseline)
+
+
+def _unknown(share: float | None) -> list[str]:
+    if share is None or share <= RATHER:
         return []
     return [f"unknown: rather in the reading ({100 * share:.0f} %) than in what the finger does, for tests "
-            "are off alike where they read alike: photograph a ruler along all that is read, from where the "
-            "readings were taken"]
+            "are off alike where they read alike"]
 
 
 def _curves(found: Diagnosis) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from handgen.discrepancy import figures
+from handgen.discrepancy.verdict import RATHER
 
 STYLE = Path(__file__).with_name("page.css")
 WORDS = {
@@ -226,7 +227,9 @@ def _next(d: dict[str, Any], names: dict[str, str]) -> Iterator[str]:
         if direct := "; ".join(escape(e["settle"]) for e in d["effects"] if not e["settled"]):
             yield f"<p>To settle it without any model: {direct}.</p>"
     elif d["verdict"] == "outside":
-        yield ("<p>No test can be proposed for what is unknown. Repeat the test that is furthest off, with "
+        yield ("<p>It is rather the reading than the finger: photograph a ruler along all that is read, from "
+               "where the readings were taken.</p>" if (d["unknown_in_reading"] or 0.0) > RATHER else
+               "<p>No test can be proposed for what is unknown. Repeat the test that is furthest off, with "
                "more loads where it is, and look at what the finger does there.</p>")
     elif d["next_test"] is None:
         yield "<p>No test on these set-ups would decide.</p>"
