@@ -67,7 +67,7 @@ def test_semicolons_bring_decimal_commas(tmp_path):
 def test_what_is_wrong_is_said_by_line_and_nothing_is_written(tmp_path, line, path, word):
     (tmp_path / "lab.csv").write_text(line)
     with pytest.raises(InputError) as caught:
-        import_table(tmp_path / "lab.csv", tmp_path / "lab.yaml", hand=HAND, finger="index")
+        import_table(tmp_path / "lab.csv", tmp_path / "out" / "lab.yaml", hand=HAND, finger="index")
     assert any(path in p.path and word in f"{p.message} {p.allowed}" for p in caught.value.problems)
     assert all(p.file == str(tmp_path / "lab.csv") for p in caught.value.problems)
     assert [p.name for p in tmp_path.iterdir()] == ["lab.csv"]
@@ -80,6 +80,7 @@ def test_what_is_wrong_with_the_hand_is_said_of_its_file(tmp_path):
         with pytest.raises(InputError) as caught:
             import_table(tmp_path / "lab.csv", tmp_path / "out" / "lab.yaml", hand=hand, finger="index")
         assert {p.file for p in caught.value.problems} == {str(hand)}
+    assert not (tmp_path / "out").exists()
 
 
 def test_the_verb_writes_a_file_that_can_be_read(tmp_path, capsys):

@@ -15,6 +15,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, get_args
 
 from handgen import atomic
@@ -77,22 +78,29 @@ def import_table(
     data = {
         "schema": SCHEMA,
         "name": name or Path(table).stem,
-        "hand": os.path.relpath(hand, target.parent or "."),
+        "hand": "",
         "finger": finger,
         "source": source or f"imported from {Path(table).name}",
         "tests": tests,
     }
-    text = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, default_flow_style=None, width=110)
-    with atomic.writing(target) as beside:
-        beside.write_text(text, encoding="utf-8")
+
+    def text(hand: str) -> str:
+        return yaml.safe_dump(data | {"hand": hand}, sort_keys=False, allow_unicode=True,
+                              default_flow_style=None, width=110)
+
+    with TemporaryDirectory() as folder:
+        # Elsewhere: what is refused leaves nothing where it would go, not even a folder
+        trial, there = Path(folder) / target.name, os.path.abspath(hand)
+        trial.write_text(text(there), encoding="utf-8")
         try:
-            found = load_measurements(beside)
+            load_measurements(trial)
         except InputError as error:
             # The table names no hand: what is wrong with it is wrong with the file that was given.
-            names = {str(beside): str(table), str(beside.parent / data["hand"]): str(hand)}
+            names = {str(trial): str(table), there: str(hand)}
             raise InputError([replace(p, file=names.get(p.file, p.file)) for p in error.problems
-                              if (p.file, p.path) != (str(beside), "hand")]) from None
-    return replace(found, file=target)
+                              if (p.file, p.path) != (str(trial), "hand")]) from None
+    atomic.write(target, text(os.path.relpath(hand, target.parent or ".")))
+    return load_measurements(target)
 
 
 def _tests(table: Path) -> list[dict[str, Any]]:
