@@ -169,13 +169,13 @@ def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(tmp_path, 
     (effect,) = found["effects"]
     (offset,) = effect["parameters"]
     assert effect["id"] == "asymmetric_winding" and offset["low"] < -0.3 and offset["high"] > 0.3
-    assert effect["sentence"].endswith("; or it is the other way round: these readings do not tell")
+    assert effect["sentence"].endswith("; or it is the other way round, which these readings do not rule out")
     told = found["next_test"]
     assert told["separates"] == ["asymmetric_winding"]
     assert (told["part"], told["observable"]["quantity"]) == ("actuator", "bend_angle")
     page = (tmp_path / "out" / "diagnosis.html").read_text()
     assert "It tells which way it is: asymmetric winding." in page and effect["sentence"] in page
-    assert "Which way asymmetric_winding goes these readings do not tell" in Path(found["model"]).read_text()
+    assert "Which way asymmetric_winding goes is open" in Path(found["model"]).read_text()
 
 
 def test_a_size_that_the_model_can_just_follow_is_told_and_not_named(tmp_path, capsys, monkeypatch):

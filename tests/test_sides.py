@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from handgen.discrepancy.hypothesis import estimates
 from handgen.discrepancy.library import Response
 from handgen.discrepancy.score import score
 from handgen.discrepancy.sides import either_way, parted, signed, which_way
@@ -55,6 +56,20 @@ def test_a_side_that_the_readings_tell_is_not_asked_about():
     said = verdict(score(lib, seen(lib, GIVEN)))
     assert said.effects == (WINDING,) and either_way(said) == {}
     assert said.best.parameters[WINDING][0].value < 0
+
+
+def test_a_side_is_open_until_it_is_surer_than_a_size():
+    lib = wound(towards=6.0)
+    said = verdict(score(lib, seen(lib, GIVEN)))
+    (offset,) = said.best.parameters[WINDING]
+    assert offset.high < 0 < offset.wide[1] and either_way(said) == {WINDING: 0.0}
+
+
+def test_intervals_are_those_of_what_is_believed():
+    line = np.linspace(-8, 8, 1601)
+    (size,) = estimates(("size",), line[:, None], -((line - 1) / 0.5) ** 2 / 2)
+    assert (size.low, size.high) == pytest.approx((1 - 0.98, 1 + 0.98), abs=0.01)
+    assert size.wide == pytest.approx((1 - 1.288, 1 + 1.288), abs=0.01)
 
 
 def test_only_what_is_named_and_has_either_sign_has_a_side():

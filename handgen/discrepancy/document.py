@@ -100,9 +100,10 @@ def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
             sigma = found.patched.sigma(name, estimate.name)
             about = next(p for p in effect.parameters if p.name == estimate.name)
             value = fitted[estimate.name]
-            near = max(value - 1.96 * sigma, about.low), min(value + 1.96 * sigma, about.high)
+            low, high = max(value - 1.96 * sigma, about.low), min(value + 1.96 * sigma, about.high)
+        if either:
             # The fit knows but the side that it began on
-            low, high = (min(low, near[0]), max(high, near[1])) if either else near
+            low, high = min(low, estimate.wide[0]), max(high, estimate.wide[1])
         unit = next(p.unit for p in effect.parameters if p.name == estimate.name)
         parameters.append(
             {
@@ -115,7 +116,7 @@ def _effect(found: Diagnosis, name: str) -> dict[str, Any]:
         )
     said = effect.said({p["name"]: p["value"] for p in parameters})
     if either:
-        said += "; or it is the other way round: these readings do not tell"
+        said += "; or it is the other way round, which these readings do not rule out"
     return {
         "id": name,
         "name": effect.name,

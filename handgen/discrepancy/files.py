@@ -74,7 +74,7 @@ def _head(found: Diagnosis) -> list[str]:
         f"Verdict: {found.verdict.word}"
         + (f", {', '.join(found.verdict.effects)}" if found.verdict.effects else ""),
     ]
-    lines += [f"Which way {name} goes these readings do not tell: it may be the other"
+    lines += [f"Which way {name} goes is open: these readings do not rule out the other"
               for name in either_way(found.verdict)]
     nuisances = found.patched.nuisances()
     lines += [

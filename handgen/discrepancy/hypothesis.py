@@ -10,19 +10,20 @@ import numpy as np
 from handgen.discrepancy.library import OUTSIDE
 from handgen.discrepancy.problem import Problem
 
-INTERVAL = (0.025, 0.975)
+INTERVAL, WIDE = (0.025, 0.975), (0.005, 0.995)
 REFUTED = 0.001
 """Chance of its misfit below which an explanation is given up, whatever was believed of it before."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter as the data leave it: the value that explains them best, and a 95 % interval."""
+    """A parameter as the data leave it: the value that explains them best, a 95 % and a 99 % interval."""
 
     name: str
     value: float
     low: float
     high: float
+    wide: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,11 @@ def estimates(names: Sequence[str], values: np.ndarray, log_posterior: np.ndarra
             mass = np.bincount(where, share)
         # Half of a value's weight lies below it
         below = np.cumsum(mass) - mass / 2
-        low, high = np.interp(INTERVAL, below, line)
-        found.append(Estimate(name, float(best[i]), float(min(low, best[i])), float(max(high, best[i]))))
+        (low, high), wide = (_holding(float(best[i]), np.interp(shares, below, line))
+                             for shares in (INTERVAL, WIDE))
+        found.append(Estimate(name, float(best[i]), low, high, wide))
     return tuple(found)
+
+
+def _holding(value: float, ends: np.ndarray) -> tuple[float, float]:
+    return float(min(ends[0], value)), float(max(ends[1], value))

@@ -17,7 +17,7 @@ import numpy as np
 from handgen.discrepancy import law, outside
 from handgen.discrepancy import pairs as of_pairs
 from handgen.discrepancy.gaussian import Whitener, log_sum
-from handgen.discrepancy.hypothesis import INTERVAL, Draft, Estimate, Hypothesis, estimates
+from handgen.discrepancy.hypothesis import INTERVAL, WIDE, Draft, Estimate, Hypothesis, estimates
 from handgen.discrepancy.library import NONE, OUTSIDE, Library, size_name
 from handgen.discrepancy.observed import Observed
 from handgen.discrepancy.problem import SCALE_WEIGHTS, Problem
@@ -208,8 +208,8 @@ def _sizes(library: Library, nuisances: np.ndarray, left: np.ndarray) -> dict[st
         for name, value in values.items():
             at = column.get(size_name(effect, name))
             off, sigma = (0.0, 0.0) if at is None else (nuisances[at], np.sqrt(left[at, at]))
-            low, high = (NormalDist(value + off, sigma).inv_cdf(share) if sigma else value
-                         for share in INTERVAL)
-            sizes.append(Estimate(name, float(value + off), float(low), float(high)))
+            low, high, *wide = (float(NormalDist(value + off, sigma).inv_cdf(share) if sigma else value)
+                                for share in (*INTERVAL, *WIDE))
+            sizes.append(Estimate(name, float(value + off), low, high, (wide[0], wide[1])))
         found[effect] = tuple(sizes)
     return found
