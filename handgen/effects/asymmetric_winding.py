@@ -16,8 +16,8 @@ class AsymmetricWinding(Effect):
 
     id = "asymmetric_winding"
     name = "asymmetric winding"
-    sentence = ("Core and thread lie {offset:+.2f} mm off the middle of the wall, towards its back: it bends "
-                "by itself")
+    sentence = ("Core and thread lie {offset:+.2f} mm off the middle of the wall (+: towards its back): it "
+                "bends by itself")
     signature = ("the free actuator bends, and its tip travels less far along the axis; the assembly flexes "
                  "more (thick side palmar) or less; the bare exoskeleton is untouched")
     source = "Section 5.2.2: above 50 kPa the actuator folds to one side, its thread being wound by hand"
