@@ -150,7 +150,9 @@ def test_a_camera_that_draws_out_long_drops_is_something_unknown_in_the_reading(
     assert flag in page and "rather the reading than the finger: photograph a ruler" in page
 
 
-def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize("weightless", [False, True])
+def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(
+        tmp_path, capsys, monkeypatch, weightless):
     """A core off the middle shortens the free actuator by as much towards either side."""
     def arched(case, straight=curve):
         found = straight(case)
@@ -163,10 +165,11 @@ def test_which_way_an_effect_goes_is_left_open_where_no_reading_tells(tmp_path, 
 
     monkeypatch.setattr("tests.test_diagnose.curve", arched)
     monkeypatch.setattr(worker, "solve", lambda asked: SimpleNamespace(curve=arched(asked.case)))
-    measurements, _ = campaign(tmp_path, 1.0, effects=[("asymmetric_winding", {"offset": -0.45})])
-    code, found = diagnose(capsys, measurements, "calibrated", tmp_path / "out")
-    assert code == 1 and found["verdict"] == "named"
-    (effect,) = found["effects"]
+    measurements, light = campaign(tmp_path, 1.0, effects=[("asymmetric_winding", {"offset": -0.45})])
+    code, found = diagnose(capsys, measurements, light if weightless else "calibrated", tmp_path / "out")
+    assert code == 1 and found["verdict"] == ("pair" if weightless else "named")
+    *known, effect = found["effects"]
+    assert [one["id"] for one in known] == ["own_weight"] * weightless
     (offset,) = effect["parameters"]
     assert effect["id"] == "asymmetric_winding" and offset["low"] < -0.3 and offset["high"] > 0.3
     assert effect["sentence"].endswith("; or it is the other way round, which these readings do not rule out")

@@ -69,15 +69,19 @@ def test_it_is_told_whether_the_reading_or_the_finger_is_off():
               for seen in (drawn_out(lib, 12.0), bumped)]
     assert shares[0] > 0.9 and shares[1] < 0.05
     scores = score(lib, readings(lib, drawn_out(lib, 12.0)))
-    found = SimpleNamespace(scores=scores, verdict=verdict(scores))
+    found = SimpleNamespace(scores=scores, verdict=verdict(scores), problem=scores.problem)
     share = document._in_reading(found)
     (flag,) = document._unknown(share)
     assert share > 0.9 and flag.startswith("unknown: rather in the reading")
+    with_known = Problem.of(lib, readings(lib, bumped))
+    denied = SimpleNamespace(scores=replace(scores, problem=with_known), verdict=found.verdict,
+                             problem=scores.problem)
+    assert document._in_reading(denied) == share
     found.verdict = replace(found.verdict, word="none")
     assert document._in_reading(found) is None
     assert not document._unknown(None) and not document._unknown(0.3)
     scores = score(lib, readings(lib, bumped))
-    found = SimpleNamespace(scores=scores, verdict=verdict(scores))
+    found = SimpleNamespace(scores=scores, verdict=verdict(scores), problem=scores.problem)
     assert found.verdict.word == "outside" and document._in_reading(found) < 0.1
 
 
@@ -97,6 +101,17 @@ def test_a_quantity_has_a_process_of_its_own_where_two_kinds_read_it():
     assert ((drops > 0) == np.outer(of_drops, of_drops)).all()
     a, b = lib.points("weights")[-1], lib.points("finger")[-1]
     assert lib.baseline[a] == pytest.approx(lib.baseline[b]) and drops[a, b] == pytest.approx(drops[a, a])
+
+
+def test_what_is_read_above_the_palm_is_not_what_is_read_below_it():
+    lib = scaled()
+    up = lib.points("up")
+    lib = replace(lib, baseline=np.where(lib.owner == lib.owner[up[0]], -lib.baseline, lib.baseline))
+    problem, rows = Problem.of(lib, readings(lib, lib.baseline)), np.arange(lib.size)
+    _, (drops,) = outside.processes(problem, rows, rows, 0.35)
+    below = lib.points("finger")[-1]
+    assert lib.baseline[up[-1]] == pytest.approx(-lib.baseline[below])
+    assert drops[up[-1], below] < 1e-3 * drops[below, below]
 
 
 @pytest.mark.parametrize(("kinds", "quantities"), [(1, 0), (3, 0), (3, 1), (4, 2), (6, 1)])

@@ -288,9 +288,11 @@ def _beside(found: Diagnosis) -> list[str]:
 
 def _in_reading(found: Diagnosis) -> float | None:
     """Of something unknown, the probability that it is a reading that is off."""
-    problem = found.scores.problem
     if found.verdict.word != "outside":
         return None
+    # With the effects on that a direct check shows to be missing, unless the readings deny them
+    first = next(one for one in found.scores.hypotheses if one.outside)
+    problem = found.scores.problem if first.ids else found.problem
     return outside.share_of_reading(problem, problem.library.baseline)
 
 

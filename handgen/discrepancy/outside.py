@@ -44,7 +44,7 @@ def processes(problem: Problem, rows: np.ndarray, columns: np.ndarray,
     read_of = {quantity: len({test.kind for test in scored if test.quantity == quantity})
                for quantity in {test.quantity for test in scored if not test.direct}}
     read = np.array([test.quantity if read_of.get(test.quantity, 0) > 1 else "" for test in library.tests])
-    there = np.nan_to_num(np.abs(library.baseline))
+    there = np.nan_to_num(library.baseline)
     return (_over(problem, kinds[library.owner], library.loads, rows, columns, length),
             _over(problem, read[library.owner], there, rows, columns, length))
 
@@ -57,7 +57,7 @@ def _over(problem: Problem, groups: np.ndarray, along: np.ndarray, rows: np.ndar
         if not group:
             continue
         mine = groups == group
-        reach = float(along[mine].max()) or 1.0
+        reach = float(np.abs(along[mine]).max()) or 1.0
         size = float(np.nanmax(np.abs(problem.library.baseline[mine]))) or 1.0
         distance = (along[rows][:, None] - along[columns][None, :]) / (length * reach)
         both = mine[rows][:, None] & mine[columns][None, :]

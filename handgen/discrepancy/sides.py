@@ -33,9 +33,9 @@ def either_way(said: Verdict) -> dict[str, float]:
     """Named effects of which the 99 % interval lies on both sides of no effect at all -> that size.
 
     Wider than what is reported of a size, for a mould is mended by the side: of 53 windings of which the 95 %
-    interval lay on one side 8 were on the other (`tests.benchmarks.diagnosis`, seeds from 250000), by laws
-    that move the finger by as little as the winding does. None while another test has to tell whether there
-    is one effect, or two.
+    interval lay on one side 8 were on the other (`tests.benchmarks.diagnosis`, seeds from 250000): the few
+    millimetres of the finger that tell it another law moves as well. None while another test has to tell
+    whether there is one effect, or two.
     """
     if said.word not in ("named", "pair") or said.or_both:
         return {}
